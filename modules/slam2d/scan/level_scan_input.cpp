@@ -14,9 +14,10 @@ constexpr std::size_t kNumBelow = 2;  // what SlopedPoints compares a level scan
 constexpr time::Duration kMaxWaitBelow = 50ms;
 // Between poses farther apart than this the robot's motion is not known: no scan is placed there.
 constexpr time::Duration kMaxInterpolation = 1s;
-// Scans are missing after so many times the longest gap between the last ones: a recording may have
-// few anyway. While odometry moves by less, none need come: some have fewer of a stationary robot.
+// Scans are missing after so many times the longest gap between the last ones: some recordings have
+// few scans.
 constexpr int kMissingScans = 4;
+// While odometry moves by less, none are missing: some recordings have fewer of a stationary robot.
 constexpr geometry::PoseTolerance kUnmoved{.distance_m = 0.5, .rotation_rad = 0.5};
 
 }  // namespace

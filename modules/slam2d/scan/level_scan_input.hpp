@@ -52,8 +52,9 @@ class LevelScanInput {
 
   /// The next level scan; valid until the next call. To be called after add_scan() until it returns
   /// none. A level scan waits until odometry has come as far, for at most half a second. One that
-  /// is more than 50 ms from any odometry then is left out and counted. In a sweep that goes down a
-  /// level scan also waits for the next two scans, until one comes that is 50 ms later.
+  /// is more than 50 ms from any odometry then, and not between two poses at most a second apart,
+  /// is left out and counted. In a sweep that goes down a level scan also waits for the next two
+  /// scans, until one comes that is 50 ms later.
   [[nodiscard]] std::optional<LevelScan> next();
 
   /// The level scan of points that were measured at once, in base and in the order of their
