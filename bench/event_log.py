@@ -38,6 +38,13 @@ def poses_of(path, channel):
             yield 1e-6 * utime, (x, y, yaw_of(*orientation)), event.data[-1]
 
 
+def heights_of(path, channel):
+    """Yields the height (m) of each POSE_2D or POSE_6D."""
+    for event in events(path):
+        if event.channel == channel:
+            yield POSE.unpack_from(event.data)[3]
+
+
 class Writer:
     """A log that is written, in a with block."""
 

@@ -6,9 +6,9 @@ bench/slam_losses.py [--module slam2d|slam6d] [--lost CHANNEL ...] [--worlds WOR
                      [--set KEY=VALUE ...]
 
 The robot drives on meanwhile, and its odometry goes on counting. Once in every two minutes SCAN and ODOMETRY, or what --lost names, are lost for 5 to
-60 s. Each published pose is compared with the truth, from the first pose on: it is wrong if it is off by more than 0.5 m or 6 degrees. Prints a row for
-each drive: for how many seconds it is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is at the end, and the share of
-all poses that are not TRACKING. The last row sums up.
+60 s. Each published pose is compared with the truth, from the first pose on: it is wrong if it is off by more than 0.5 m, 6 degrees, or 0.1 m in height (the
+ground is level). Prints a row for each drive: for how many seconds it is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is
+at the end, and the share of all poses that are not TRACKING. The last row sums up.
 
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
@@ -20,14 +20,14 @@ import random
 import tempfile
 
 import seeds
-from event_log import Writer, events, poses_of
+from event_log import Writer, events, heights_of, poses_of
 from poses import compose, inverse, pose_at, read_tum
 from programs import BIN, call, settings
 from trial_runs import Pool, Trial, result_folder
 
 POSE_OF = {"slam2d": "POSE_2D", "slam6d": "POSE_6D"}
 PERIOD_S, LOSS_S = 120.0, (5.0, 60.0)
-WRONG_M, WRONG_RAD = 0.5, math.radians(6.0)
+WRONG_M, WRONG_RAD, WRONG_HEIGHT_M = 0.5, math.radians(6.0), 0.1
 
 
 def losses(begin_s, end_s, seed):
@@ -76,12 +76,13 @@ class Bench:
             write_with_losses(folder / "trial.lcmlog", log, run[1], self.options.lost)
             call(self.options.bin / f"nodmap-{self.options.module}", "--replay", log, "--out", out, *settings(self.options.settings))
             published = list(poses_of(out / "out.lcmlog", POSE_OF[self.options.module]))
+            heights_m = list(heights_of(out / "out.lcmlog", POSE_OF[self.options.module]))
         truth = read_tum(folder / "truth.tum")
         first_s, origin, _ = published[0]
         names = []
-        for time_s, pose, state in published:
+        for (time_s, pose, state), height_m in zip(published, heights_m):
             off_m, off_rad = off(origin, pose, pose_at(truth, first_s), pose_at(truth, time_s))
-            is_wrong = off_m > WRONG_M or off_rad > WRONG_RAD
+            is_wrong = off_m > WRONG_M or off_rad > WRONG_RAD or abs(height_m - heights_m[0]) > WRONG_HEIGHT_M
             names.append((time_s, "right" if not is_wrong else "silent" if state == 0 else "said", state))
         return names
 
