@@ -4,10 +4,15 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::geometry {
 namespace {
 
 constexpr time::Duration kLongestWait = 500ms;
+// A robot that has moved by no more was stationary: what scans see moves by a fraction of their
+// noise.
+constexpr PoseTolerance kStationary{.distance_m = 0.01, .rotation_rad = 0.002};
 
 }  // namespace
 
@@ -36,6 +41,10 @@ std::optional<SE3> PoseHistory::at(time::Timestamp stamp) const {
   if (stamp > samples_.back().stamp) {
     return extrapolate_beyond_newest(stamp);
   }
+  return interpolate_at(stamp);
+}
+
+std::optional<SE3> PoseHistory::interpolate_at(time::Timestamp stamp) const {
   const auto after =
       std::lower_bound(samples_.begin(), samples_.end(), stamp,
                        [](const Sample& s, time::Timestamp t) { return s.stamp < t; });
@@ -43,6 +52,10 @@ std::optional<SE3> PoseHistory::at(time::Timestamp stamp) const {
     return after->T_odom_base;  // exact, without the rounding of an interpolation
   }
   const auto before = std::prev(after);
+  if (after->stamp - before->stamp > max_interpolation_ &&
+      !is_within(before->T_odom_base, after->T_odom_base, kStationary)) {
+    return std::nullopt;
+  }
   const double fraction = time::ratio(stamp - before->stamp, after->stamp - before->stamp);
   return interpolate(before->T_odom_base, after->T_odom_base, fraction);
 }

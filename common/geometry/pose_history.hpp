@@ -13,19 +13,25 @@ namespace nodmap::geometry {
 ///
 /// If the stamp of a new sample steps back (a clock was set, or two hosts stamped one log), the
 /// sample replaces all stored samples with later stamps: the newest information wins.
+///
+/// Between two samples far apart a robot that has moved can have taken any path: there is no pose.
 class PoseHistory {
  public:
   /// `span`: how long poses are kept. `max_extrapolation`: how far beyond the newest (or
-  /// before the oldest) sample at() still returns a pose.
-  explicit PoseHistory(time::Duration span = 60s, time::Duration max_extrapolation = 50ms)
-      : span_(span), max_extrapolation_(max_extrapolation) {}
+  /// before the oldest) sample at() still returns a pose. `max_interpolation`: how far apart two
+  /// samples may be of which at() interpolates the motion. A second is long for odometry, which
+  /// comes 5 times a second or more.
+  explicit PoseHistory(time::Duration span = 60s, time::Duration max_extrapolation = 50ms,
+                       time::Duration max_interpolation = 1s)
+      : span_(span), max_extrapolation_(max_extrapolation), max_interpolation_(max_interpolation) {}
 
   /// Adds a sample; returns false if the pose is not finite.
   bool add(time::Timestamp stamp, const SE3& T_odom_base);
 
   /// The pose at a time: interpolated between samples; after the newest sample extrapolated at the
   /// velocity of the last two; before the oldest sample the oldest pose. Empty if the time is more
-  /// than `max_extrapolation` outside the samples.
+  /// than `max_extrapolation` outside the samples, or between two that are more than
+  /// `max_interpolation` apart while the robot has moved.
   [[nodiscard]] std::optional<SE3> at(time::Timestamp stamp) const;
 
   /// Whether a measurement at a time should wait for its pose: it is too far beyond the newest
@@ -49,10 +55,12 @@ class PoseHistory {
     SE3 T_odom_base = SE3::Identity();
   };
 
+  [[nodiscard]] std::optional<SE3> interpolate_at(time::Timestamp stamp) const;
   [[nodiscard]] SE3 extrapolate_beyond_newest(time::Timestamp stamp) const;
 
   time::Duration span_;
   time::Duration max_extrapolation_;
+  time::Duration max_interpolation_;
   std::deque<Sample> samples_;  // strictly increasing stamps
 };
 

@@ -29,6 +29,42 @@ TEST(PoseHistory, InterpolatesAndHitsSamplesExactly) {
   EXPECT_DOUBLE_EQ(history.at(at(1250ms))->translation().x(), 1.5);
 }
 
+// Odometry was lost, and the robot drove on.
+TEST(PoseHistory, BetweenSamplesFarApartTheMotionOfTheRobotIsNotKnown) {
+  PoseHistory history;
+  history.add(at(1s), at_x(1));
+  history.add(at(2s), at_x(3));
+  history.add(at(32s), at_x(4));
+  history.add(at(33s), at_x(5));
+  EXPECT_DOUBLE_EQ(history.at(at(1500ms))->translation().x(), 2.0);
+  EXPECT_EQ(history.at(at(2s))->translation().x(), 3.0);
+  EXPECT_FALSE(history.at(at(2'000'001us)).has_value());
+  EXPECT_FALSE(history.at(at(31'999'999us)).has_value());
+  EXPECT_EQ(history.at(at(32s))->translation().x(), 4.0);
+  EXPECT_DOUBLE_EQ(history.at(at(32500ms))->translation().x(), 4.5);
+}
+
+// A recording that tells the pose once for each place at which the robot stopped.
+TEST(PoseHistory, ARobotThatHasNotMovedWasStationary) {
+  PoseHistory history;
+  history.add(at(1s), at_x(0));
+  history.add(at(21s), at_x(0.008));
+  history.add(at(41s), at_x(0.020));
+  history.add(at(61s), to_se3(SE2{0.020, 0.0, 0.003}));
+  EXPECT_DOUBLE_EQ(history.at(at(11s))->translation().x(), 0.004);
+  EXPECT_FALSE(history.at(at(31s)).has_value());
+  EXPECT_FALSE(history.at(at(51s)).has_value());
+}
+
+TEST(PoseHistory, InterpolatesATrajectoryAsFarAsItIsTold) {
+  PoseHistory history(60s, 50ms, 10s);
+  history.add(at(0s), at_x(0));
+  history.add(at(10s), at_x(5));
+  history.add(at(21s), at_x(6));
+  EXPECT_DOUBLE_EQ(history.at(at(5s))->translation().x(), 2.5);
+  EXPECT_FALSE(history.at(at(15s)).has_value());
+}
+
 TEST(PoseHistory, ExtrapolatesOnlySoFar) {
   PoseHistory history(10s, 50ms);
   history.add(at(0s), at_x(0));

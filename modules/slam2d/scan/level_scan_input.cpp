@@ -12,8 +12,6 @@ namespace {
 constexpr std::size_t kNumBelow = 2;  // what SlopedPoints compares a level scan with
 // Two periods of a SICK (13.3 ms) and some jitter: scans that have not come by then are lost.
 constexpr time::Duration kMaxWaitBelow = 50ms;
-// Between poses farther apart than this the robot's motion is not known: no scan is placed there.
-constexpr time::Duration kMaxInterpolation = 1s;
 // Scans are missing after so many times the longest gap between the last ones: some recordings have
 // few scans.
 constexpr int kMissingScans = 4;
@@ -33,9 +31,6 @@ void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_
     odometry_.clear();
     T_published_newest_scan_.reset();
     odometry_has_restarted_ = true;
-  }
-  if (stamp - odometry_stamp_.value_or(stamp) > kMaxInterpolation) {
-    odometry_.clear();
   }
   if (!odometry_.add(stamp, T_published_base)) {
     return;

@@ -53,7 +53,8 @@ struct PlacedSweep {
   time::Timestamp stamp{};        ///< of the base pose P_b: the middle of the sweep's time
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::size_t scans_without_pose = 0;  ///< left out
-  bool follows_interruption = false;   ///< of the stream
+  /// Whether scans or their poses are missing since the sweep before.
+  bool follows_interruption = false;
 };
 
 /// One 3D point cloud with one pose: what a scanner standing at the base pose would have seen
@@ -76,7 +77,7 @@ struct SweepCloud {
   std::vector<Eigen::Vector3f> free_points;
   std::vector<Line> lines;
   std::size_t scans_used = 0;
-  bool follows_interruption = false;  ///< of the stream
+  bool follows_interruption = false;  ///< as in PlacedSweep
   double pitch_rate_rad_s = 0.0;      ///< of the head, on average; positive: upwards
   /// The poses of the base at the first and the last beam.
   geometry::SE3 T_base_first = geometry::SE3::Identity();

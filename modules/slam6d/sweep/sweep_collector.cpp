@@ -62,12 +62,17 @@ std::optional<PlacedSweep> SweepCollector::place_oldest() {
   };
   const std::size_t num_scans = sweep.scans.size();
   counts_.in_sweeps += num_scans;
-  stream_was_interrupted_ = stream_was_interrupted_ || sweep.follows_interruption;
+  is_interrupted_ = is_interrupted_ || sweep.follows_interruption;
   auto placed = place(std::move(sweep.scans), pose_at);
-  counts_.without_pose += placed ? placed->scans_without_pose : num_scans;
-  if (placed) {
-    placed->follows_interruption = std::exchange(stream_was_interrupted_, false);
+  if (!placed) {
+    // As after a pause of the scans nobody has seen the robot move.
+    counts_.without_pose += num_scans;
+    is_interrupted_ = true;
+    return std::nullopt;
   }
+  counts_.without_pose += placed->scans_without_pose;
+  placed->follows_interruption =
+      std::exchange(is_interrupted_, false) || placed->scans_without_pose > 0;
   return placed;
 }
 

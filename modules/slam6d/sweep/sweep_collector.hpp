@@ -53,8 +53,8 @@ class SweepCollector {
   bool assume_stationary_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
-  std::deque<Sweep> waiting_;            // complete, but odometry has not come as far yet
-  bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
+  std::deque<Sweep> waiting_;    // complete, but odometry has not come as far yet
+  bool is_interrupted_ = false;  // since the last sweep that could be placed
   ScanCounts counts_;
 };
 

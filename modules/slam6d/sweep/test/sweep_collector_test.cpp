@@ -42,6 +42,16 @@ class Drive {
     }
   }
 
+  // The same scans, but the odometry that would be received with them is lost.
+  void run_without_odometry_to(std::int64_t end) {
+    has_odometry = false;
+    run_to(end);
+    has_odometry = true;
+    while (next_odometry_ < time::Timestamp(end * NoddingScanner::kPeriod)) {
+      next_odometry_ += odometry_period_;
+    }
+  }
+
   void flush() {
     while (auto sweep = collector.flush()) {
       sweeps.push_back(std::move(*sweep));
@@ -110,6 +120,24 @@ TEST(SweepCollector, ASweepWaitsNoLongerThanHalfASecondForOdometryThatHasStopped
   drive.run_to(4 * kScansPerSweep);
   EXPECT_EQ(drive.sweeps.size(), 2U);  // a whole sweep without odometry
   EXPECT_GE(drive.collector.counts().without_pose, 36U + kScansPerSweep);
+}
+
+// Odometry is missing from the middle of the third sweep to the middle of the sixth. At a steady
+// speed an interpolation would be exact, but a robot drives as it likes.
+TEST(SweepCollector, NoScanIsPlacedWhereOdometryWasMissing) {
+  Drive drive(20ms);
+  drive.run_to(2 * kScansPerSweep + 40);
+  drive.run_without_odometry_to(5 * kScansPerSweep + 40);
+  drive.run_to(8 * kScansPerSweep + 40);
+  std::vector<bool> follow_interruptions;
+  for (const PlacedSweep& sweep : drive.sweeps) {
+    follow_interruptions.push_back(sweep.follows_interruption);
+  }
+  // Two whole sweeps, half of the third, and two whole ones.
+  EXPECT_EQ(follow_interruptions, (std::vector<bool>{false, false, true, true, false, false}));
+  // Extrapolated by up to 50 ms.
+  EXPECT_NEAR(static_cast<double>(drive.collector.counts().without_pose),
+              3.0 * kScansPerSweep - 4.0, 4.0);
 }
 
 // The sweep that waits comes before the unfinished one.
