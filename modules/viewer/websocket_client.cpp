@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/viewer/websocket_client.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
@@ -16,9 +17,11 @@ namespace websocket = beast::websocket;
 
 // Far longer than subscriptions, parameters and goals.
 constexpr std::size_t kMaxMessageBytes = 65536;
-// Number of messages read from one client in one poll(), so that a flood does not delay the
-// others.
+// What is read from one client in one poll(), so that a flood neither delays the others nor takes a
+// processor from the robot: what exceeds it stays in the socket. A page sends some hundred bytes at
+// a time.
 constexpr int kReadsPerPoll = 50;
+constexpr std::size_t kBytesPerPoll = 16384;
 constexpr std::chrono::seconds kHandshakeTimeout = 5s;
 
 }  // namespace
@@ -78,6 +81,7 @@ void WebSocketClient::on_accept(ErrorCode error) {
 
 void WebSocketClient::poll() {
   reads_left_ = kReadsPerPoll;
+  bytes_read_ -= std::min(bytes_read_, kBytesPerPoll);
   rest_.cancel();
   read();
   write();
@@ -88,7 +92,7 @@ void WebSocketClient::read() {
   if (!is_open_ || is_reading_) {
     return;
   }
-  if (reads_left_ <= 0) {
+  if (reads_left_ <= 0 || bytes_read_ >= kBytesPerPoll) {
     rest_.async_wait([self = shared_from_this()](ErrorCode) {});  // until the next poll()
     return;
   }
@@ -111,6 +115,7 @@ void WebSocketClient::on_read(ErrorCode error) {
     return;
   }
   const auto data = input_.data();
+  bytes_read_ += data.size();
   if (socket_.got_text()) {
     session_.receive_text({static_cast<const char*>(data.data()), data.size()});
   } else {

@@ -7,6 +7,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -58,7 +59,8 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   bool is_open_ = false;
   bool is_pinging_ = false;
   bool is_reading_ = false;
-  int reads_left_ = 0;
+  int reads_left_ = 0;          // in this poll()
+  std::size_t bytes_read_ = 0;  // more than the polls so far allow
   std::int64_t refusals_counted_ = 0;
 };
 
