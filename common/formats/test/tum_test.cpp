@@ -56,11 +56,14 @@ TEST(Tum, SkipsCommentsAndNamesTheLineOfAnError) {
 TEST(Tum, ReadsShortAndLongDecimals) {
   const test::TemporaryDir dir;
   std::ofstream(dir.path() / "a.tum")
-      << "1.5 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n1.1234567 0 0 0 0 0 0 1\n";
+      << "1.5 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n1.1234567 0 0 0 0 0 0 1\n"
+         "1.123456789e+09 1.0e+00 0 0 0 0 0 1\n";
   const Trajectory back = read_tum(dir.path() / "a.tum");
   EXPECT_EQ(back.at(0).stamp, time::from_utime(1'500'000));
   EXPECT_EQ(back.at(1).stamp, time::from_utime(7'000'000));
-  EXPECT_EQ(back.at(2).stamp, time::from_utime(1'123'456));
+  EXPECT_EQ(back.at(2).stamp, time::from_utime(1'123'457));
+  EXPECT_EQ(back.at(3).stamp, time::from_utime(1'123'456'789'000'000));
+  EXPECT_EQ(back.at(3).pose.translation().x(), 1.0);
 }
 
 }  // namespace tum_test

@@ -86,7 +86,7 @@ TEST(Carmen, ReadsParametersAndSkipsTheRest) {
 TEST(Carmen, DamagedLinesAreUnreadable) {
   for (const char* line :
        {"ODOM", "ODOM 1 2 3", "ODOM 1 2 x 0 0 0 1.0 host 1.0", "ODOM 1 2 nan 0 0 0 1.0 host 1.0",
-        "ODOM 1 2 3 0 0 0 1e9 host 1.0", "ODOM 1 2 3 0 0 0 1.0 host 1.0 more", "FLASER",
+        "ODOM 1 2 3 0 0 0 1e13 host 1.0", "ODOM 1 2 3 0 0 0 1.0 host 1.0 more", "FLASER",
         "FLASER -1 1 2 0 0 0 0 0 0 1.0 host 1.0", "FLASER 0 0 0 0 0 0 0 1.0 host 1.0",
         "FLASER 1 1 0 0 0 0 0 0 1.0 host 1.0",
         // A count that is too large or too small shifts every word after it.
