@@ -71,13 +71,27 @@ geometry::SE3 align_least_squares(const std::vector<PosePair>& pairs) {
   return T_truth_map;
 }
 
-double true_length_m(const std::vector<PosePair>& pairs) {
+// How far each sample is along the path, from the first one.
+std::vector<double> lengths_m(const formats::Trajectory& truth) {
+  std::vector<double> lengths_m;
   double length_m = 0.0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    length_m +=
-        (pairs[i].T_truth_base.translation() - pairs[i - 1].T_truth_base.translation()).norm();
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    length_m += i == 0 ? 0.0 : geometry::distance_m(truth[i - 1].pose, truth[i].pose);
+    lengths_m.push_back(length_m);
   }
-  return length_m;
+  return lengths_m;
+}
+
+// The same at a time at which the robot was at `pose`.
+double length_at(const formats::Trajectory& truth, const std::vector<double>& lengths_m,
+                 time::Timestamp stamp, const geometry::SE3& pose) {
+  const auto after = std::ranges::lower_bound(truth, stamp, {}, &StampedPose::stamp);
+  if (after == truth.begin()) {
+    return 0.0;
+  }
+  const auto before = std::prev(after);
+  return lengths_m[static_cast<std::size_t>(before - truth.begin())] +
+         geometry::distance_m(before->pose, pose);
 }
 
 }  // namespace
@@ -85,10 +99,12 @@ double true_length_m(const std::vector<PosePair>& pairs) {
 std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Trajectory truth,
                                 time::Duration tolerance) {
   std::ranges::stable_sort(truth, {}, &StampedPose::stamp);
+  const std::vector<double> path_m = lengths_m(truth);
   std::vector<PosePair> pairs;
   for (const StampedPose& stamped : estimate) {
     if (const auto true_pose = pose_at(truth, stamped.stamp, tolerance)) {
-      pairs.push_back({stamped.pose, *true_pose});
+      pairs.push_back(
+          {stamped.pose, *true_pose, length_at(truth, path_m, stamped.stamp, *true_pose)});
     }
   }
   return pairs;
@@ -133,7 +149,8 @@ TrajectoryErrors measure_trajectory(const std::vector<PosePair>& pairs, Alignmen
       pairs.back().T_truth_base.inverse() * align_first_pose(pairs) * pairs.back().T_map_base;
   errors.end_error_m = end_error.translation().norm();
   errors.end_rot_rad = geometry::rotation_angle(end_error);
-  if (const double length_m = true_length_m(pairs); length_m > 0.0) {
+  const double length_m = pairs.back().true_path_m - pairs.front().true_path_m;
+  if (length_m > 0.0) {
     errors.drift_percent = 100.0 * errors.end_error_m / length_m;
   }
   return errors;

@@ -17,6 +17,7 @@ namespace nodmap::evaluate {
 struct PosePair {
   geometry::SE3 T_map_base = geometry::SE3::Identity();    ///< estimated, in its own frame
   geometry::SE3 T_truth_base = geometry::SE3::Identity();  ///< true
+  double true_path_m = 0.0;                                ///< from the first true pose to here
 };
 
 /// Pairs each estimated pose with the true pose at its time, interpolated between the two nearest
@@ -43,7 +44,8 @@ struct TrajectoryErrors {
   /// Error of the last pose after alignment of the first, independent of the alignment of the rest.
   double end_error_m = 0.0;
   double end_rot_rad = 0.0;
-  /// end_error_m in percent of the true path's length. Empty for a path without length.
+  /// end_error_m in percent of the length of the true path from the first pair to the last, however
+  /// few poses there are on it. Empty for a path without length.
   std::optional<double> drift_percent;
 };
 

@@ -83,15 +83,30 @@ TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
 TEST(TrajectoryError, ErrorsAreAsComputedByHand) {
   // Three poses along x; the estimate is 0.3 m to the left at the second, and 0.4 m and rotated at
   // the third.
-  const std::vector<PosePair> pairs = {{to_se3({0.0, 0.0, 0.0}), to_se3({0.0, 0.0, 0.0})},
-                                       {to_se3({5.0, 0.3, 0.0}), to_se3({5.0, 0.0, 0.0})},
-                                       {to_se3({10.0, 0.4, 0.3}), to_se3({10.0, 0.0, 0.0})}};
+  const std::vector<PosePair> pairs = {{to_se3({0.0, 0.0, 0.0}), to_se3({0.0, 0.0, 0.0}), 3.0},
+                                       {to_se3({5.0, 0.3, 0.0}), to_se3({5.0, 0.0, 0.0}), 8.0},
+                                       {to_se3({10.0, 0.4, 0.3}), to_se3({10.0, 0.0, 0.0}), 13.0}};
   const TrajectoryErrors errors = measure_trajectory(pairs, Alignment::kFirstPose);
   EXPECT_EQ(errors.n, 3U);
   EXPECT_NEAR(errors.ate_rmse_m, 0.5 / std::sqrt(3.0), 1e-12);
   EXPECT_NEAR(errors.ate_max_m, 0.4, 1e-12);
   EXPECT_NEAR(errors.rot_rmse_rad, 0.3 / std::sqrt(3.0), 1e-12);
   EXPECT_NEAR(*errors.drift_percent, 4.0, 1e-12);
+}
+
+// A circle of 10 m with 100 true poses, of which the estimate has every third from the second on;
+// the last is 0.3 m off.
+TEST(TrajectoryError, DriftIsInPercentOfTheTruePathHoweverSparseTheEstimateIs) {
+  const formats::Trajectory truth = circle(100);
+  formats::Trajectory estimate;
+  for (std::size_t i = 1; i < truth.size(); i += 3) {
+    estimate.push_back(truth[i]);
+  }
+  estimate.back().pose.translation().z() += 0.3;
+  const double chord_m = 2.0 * 5.0 * std::sin(0.05);
+  const TrajectoryErrors errors =
+      measure_trajectory(associate(estimate, truth, 0s), Alignment::kFirstPose);
+  EXPECT_NEAR(*errors.drift_percent, 100.0 * 0.3 / (96 * chord_m), 1e-9);
 }
 
 TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
