@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -70,11 +71,14 @@ CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
                              distances, [](double d) { return d > kOutlierM; })) /
                          n;
   errors.p95_m = statistics::quantile(std::move(distances), 0.95);
-  const auto samples = surfaces.samples(kSampleSpacingM);
-  const auto seen =
-      std::ranges::count_if(samples, [&cells](const auto& p) { return cells.has_near(p); });
+  std::int64_t num_samples = 0;
+  std::int64_t num_seen = 0;
+  surfaces.for_each_sample(kSampleSpacingM, [&](const Eigen::Vector3d& p_sample) {
+    ++num_samples;
+    num_seen += cells.has_near(p_sample) ? 1 : 0;
+  });
   errors.completeness =
-      samples.empty() ? 0.0 : static_cast<double>(seen) / static_cast<double>(samples.size());
+      num_samples == 0 ? 0.0 : static_cast<double>(num_seen) / static_cast<double>(num_samples);
   return errors;
 }
 

@@ -147,7 +147,12 @@ void print_cloud(const Arguments& arguments) {
                                    {"outlier_share", errors.outlier_share},
                                    {"completeness", errors.completeness}};
   if (!arguments.unfiltered.empty()) {
-    const auto removal = evaluate::measure_removal(measure(arguments.unfiltered), errors);
+    const auto unfiltered = measure(arguments.unfiltered);
+    if (unfiltered.n < errors.n) {
+      throw UserError(arguments.unfiltered + ": has fewer points than " + arguments.cloud +
+                      ", so that is not what was left of it");
+    }
+    const auto removal = evaluate::measure_removal(unfiltered, errors);
     result["static_kept"] = removal.static_kept;
     result["dynamic_removed"] = removal.dynamic_removed;
     result["associated_accuracy"] = removal.associated;

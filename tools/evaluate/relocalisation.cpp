@@ -6,11 +6,13 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
+#include "common/node/log.hpp"
 #include "common/node/message_counts.hpp"
 #include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/localise/known_map.hpp"
@@ -26,9 +28,9 @@ constexpr double kRightM = 0.25;
 constexpr double kRightRad = geometry::deg_to_rad(3.0);
 constexpr std::size_t kDefaultGroups = 200;
 
-// Calls `visit` with each level scan of a log.
-void for_each_level_scan(const std::filesystem::path& log,
-                         const std::function<void(const slam2d::LevelScan&)>& visit) {
+// Calls `visit` with each level scan of a log. Returns what is damaged in it, or nothing.
+std::string for_each_level_scan(const std::filesystem::path& log,
+                                const std::function<void(const slam2d::LevelScan&)>& visit) {
   bus::LogReader reader(log);
   reader.require_event();
   node::MessageCounts counts;
@@ -45,6 +47,7 @@ void for_each_level_scan(const std::filesystem::path& log,
       }
     }
   }
+  return reader.skipped_bytes() > 0 ? reader.damage() : "";
 }
 
 // Successive level scans with copies of their points, because a scan's points are valid only until
@@ -98,7 +101,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
   int groups = 0;
   std::vector<double> ms;
   RelocalisationResult result;
-  for_each_level_scan(log, [&](const slam2d::LevelScan& scan) {
+  const std::string damage = for_each_level_scan(log, [&](const slam2d::LevelScan& scan) {
     if (group.size() == static_cast<std::size_t>(plan.num_scans)) {
       group.clear();
     }
@@ -122,6 +125,9 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
       ++result.wrong;
     }
   });
+  if (!damage.empty()) {
+    log::get().warn("{}", damage);
+  }
   if (!ms.empty()) {
     std::ranges::sort(ms);
     result.ms_p50 = ms[ms.size() / 2];

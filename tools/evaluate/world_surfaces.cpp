@@ -14,6 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Triangle = std::array<Vector3d, 3>;
+using Use = std::function<void(const Vector3d& p_world)>;
 
 // Distance from the surface of a solid, given how far the point is outside each of its sides.
 template <class Excess>
@@ -95,7 +96,7 @@ void over_patch(double length_m, double width_m, double spacing_m, const Put& pu
   }
 }
 
-void sample(const sim::Box& box, double spacing_m, std::vector<Vector3d>& points) {
+void sample(const sim::Box& box, double spacing_m, const Use& use) {
   const Eigen::AngleAxisd turn(box.yaw_rad, Vector3d::UnitZ());
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3;
@@ -106,29 +107,29 @@ void sample(const sim::Box& box, double spacing_m, std::vector<Vector3d>& points
         p[axis] = side * box.size[axis];
         p[u] = (i - 0.5) * box.size[u];
         p[v] = (j - 0.5) * box.size[v];
-        points.emplace_back(box.center + turn * p);
+        use(box.center + turn * p);
       }
     });
   }
 }
 
 // Samples the lateral surface only, because the lids of legs and people are small.
-void sample(const sim::Cylinder& cylinder, double spacing_m, std::vector<Vector3d>& points) {
+void sample(const sim::Cylinder& cylinder, double spacing_m, const Use& use) {
   const double around_m = 2.0 * geometry::kPi * cylinder.radius_m;
   over_patch(around_m, cylinder.height_m, spacing_m, [&](double i, double j) {
     const double angle = 2.0 * geometry::kPi * i;
-    points.emplace_back(cylinder.center + Vector3d(cylinder.radius_m * std::cos(angle),
-                                                   cylinder.radius_m * std::sin(angle),
-                                                   (j - 0.5) * cylinder.height_m));
+    use(cylinder.center + Vector3d(cylinder.radius_m * std::cos(angle),
+                                   cylinder.radius_m * std::sin(angle),
+                                   (j - 0.5) * cylinder.height_m));
   });
 }
 
-void sample(const Triangle& t, double spacing_m, std::vector<Vector3d>& points) {
+void sample(const Triangle& t, double spacing_m, const Use& use) {
   const Vector3d u = t[1] - t[0];
   const Vector3d v = t[2] - t[0];
   over_patch(u.norm(), v.norm(), spacing_m, [&](double i, double j) {
     if (i + j < 1.0) {
-      points.emplace_back(t[0] + i * u + j * v);
+      use(t[0] + i * u + j * v);
     }
   });
 }
@@ -183,18 +184,16 @@ double WorldSurfaces::floor_distance_m(const Vector3d& p) const {
   return std::abs(p.z());
 }
 
-std::vector<Vector3d> WorldSurfaces::samples(double spacing_m) const {
-  std::vector<Vector3d> points;
+void WorldSurfaces::for_each_sample(double spacing_m, const Use& use) const {
   for (const auto& box : boxes_) {
-    sample(box, spacing_m, points);
+    sample(box, spacing_m, use);
   }
   for (const auto& cylinder : cylinders_) {
-    sample(cylinder, spacing_m, points);
+    sample(cylinder, spacing_m, use);
   }
   for (const Triangle& triangle : triangles_) {
-    sample(triangle, spacing_m, points);
+    sample(triangle, spacing_m, use);
   }
-  return points;
 }
 
 }  // namespace nodmap::evaluate

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "sim/world/world.hpp"
@@ -18,9 +19,10 @@ class WorldSurfaces {
   /// metres, >= 0.
   [[nodiscard]] double distance_m(const Eigen::Vector3d& p_world) const;
 
-  /// Points on all surfaces of objects, about `spacing_m` apart; without the floor, which is
-  /// infinite.
-  [[nodiscard]] std::vector<Eigen::Vector3d> samples(double spacing_m) const;
+  /// Calls `use` with points on all surfaces of objects, about `spacing_m` apart; without the
+  /// floor, which is infinite. They are not stored: a world may have square kilometres of surfaces.
+  void for_each_sample(double spacing_m,
+                       const std::function<void(const Eigen::Vector3d& p_world)>& use) const;
 
  private:
   using Triangle = std::array<Eigen::Vector3d, 3>;

@@ -58,7 +58,8 @@ TEST(WorldSurfaces, DistanceAgreesWithTheNearestSample) {
   world.objects.push_back({sim::Cylinder{{-4.0, 0.0, 4.0}, 0.5, 2.0}});
   world.objects.push_back({sim::Ramp{{3.0, -4.0, 3.0}, {6.0, -3.0, 5.0}, 1.0}});
   const WorldSurfaces surfaces(world);
-  const auto samples = surfaces.samples(0.02);
+  std::vector<Vector3d> samples;
+  surfaces.for_each_sample(0.02, [&samples](const Vector3d& p) { samples.push_back(p); });
   std::mt19937 engine(1);
   std::uniform_real_distribution<double> place(-6.0, 6.0);
   for (int i = 0; i < 30; ++i) {
