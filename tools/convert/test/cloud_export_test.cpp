@@ -38,12 +38,18 @@ scan::Scan scan_at(time::Timestamp stamp) {
 
 class CloudExport : public testing::Test {
  protected:
-  CloudExport() {
+  CloudExport() { record(100); }
+
+  // 100 scans, of which the first `num_odometry` have odometry.
+  void record(int num_odometry) const {
+    std::filesystem::remove(log());
     Recording recording(log());
     for (int i = 0; i < 100; ++i) {
       const time::Timestamp stamp(i * kScanPeriod);
       const double x_m = kSpeedMps * time::seconds(stamp.time_since_epoch());
-      recording.add_odometry(node::write_odometry(stamp, geometry::to_se3({x_m, 0.0, 0.0})));
+      if (i < num_odometry) {
+        recording.add_odometry(node::write_odometry(stamp, geometry::to_se3({x_m, 0.0, 0.0})));
+      }
       recording.add_scan(node::write_scan(scan_at(stamp)));
     }
     recording.commit("in", "");
@@ -83,6 +89,13 @@ TEST_F(CloudExport, SaysWhyThereMustBeNoTumFile) {
                   ": exists and is never overwritten; needed for the time and pose of " +
                   pcd.string());
   }
+}
+
+// Odometry ends at scan 60, and the pose is extrapolated by 50 ms, which is three more scans.
+TEST_F(CloudExport, ScansWithoutOdometryAreLeftOut) {
+  record(61);
+  export_cloud(log(), out(), formats::CloudFormat::kPly, {.start_s = 0.4, .num_scans = 51});
+  EXPECT_EQ(formats::read_ply(out()).size(), (63U - 31U + 1U) * 11U);
 }
 
 TEST_F(CloudExport, TooFewScansAreAnErrorAndLeaveNothing) {
