@@ -14,6 +14,10 @@ inline constexpr double kSickRangeMinM = 0.05;
 /// Readings from here on mean "no echo" in the measuring mode of KURT3D.
 inline constexpr double kSickIndoorRangeMaxM = 32.76;
 
+/// The largest reading of this mode, 0x7fff mm, rounded up: what is farther away was measured by
+/// another scanner.
+inline constexpr double kSickIndoorLargestM = 32.77;
+
 /// At half-degree resolution a scan takes two mirror revolutions at 75 Hz.
 inline constexpr time::Duration kSickFinePeriod = 26'640us;
 

@@ -91,10 +91,17 @@ Fan find_fan(std::span<const Beam> beams) {
   return fan;
 }
 
+// How far the scanner measures; farther ranges mean "no echo".
+double find_range_max_m(std::span<const Beam> beams) {
+  const double farthest_m = std::ranges::max_element(beams, {}, &Beam::range_m)->range_m;
+  return farthest_m > kSickIndoorLargestM ? std::nextafter(farthest_m, 2.0 * farthest_m)
+                                          : kSickIndoorRangeMaxM;
+}
+
 // The slice being filled.
 class SliceBuilder {
  public:
-  explicit SliceBuilder(const Fan& fan) : fan_(fan) {}
+  SliceBuilder(const Fan& fan, double range_max_m) : fan_(fan) { slice_.range_max_m = range_max_m; }
 
   [[nodiscard]] bool continues_with(const Beam& beam) const {
     const bool turns_on =
@@ -108,7 +115,7 @@ class SliceBuilder {
     if (slice_.ranges_m.empty()) {
       slice_.ranges_m.assign(fan_.num_beams, std::numeric_limits<float>::quiet_NaN());
     }
-    const bool returned = beam.range_m < kSickIndoorRangeMaxM;
+    const bool returned = beam.range_m < slice_.range_max_m;
     slice_.ranges_m[fan_.index(beam.angle_rad)] =
         returned ? static_cast<float>(beam.range_m) : std::numeric_limits<float>::infinity();
     last_angle_rad_ = beam.angle_rad;
@@ -189,9 +196,10 @@ std::vector<UosSlice> find_slices(std::span<const Eigen::Vector3d> points_m) {
   if (fan.num_beams < 2) {
     return slices;
   }
-  SliceBuilder builder(fan);
+  const SliceBuilder empty(fan, find_range_max_m(beams));
+  SliceBuilder builder = empty;
   const auto finish_slice = [&] {
-    if (auto slice = std::exchange(builder, SliceBuilder(fan)).finish()) {
+    if (auto slice = std::exchange(builder, empty).finish()) {
       slices.push_back(std::move(*slice));
     }
   };

@@ -36,11 +36,14 @@ struct UosSlice {
   double angle_step_rad = 0.0;
   /// +infinity: no echo; NaN for beams missing in the file.
   std::vector<float> ranges_m;
+  double range_max_m = 0.0;  ///< what the scanner measures at least
 };
 
 /// Splits the points of a scan, in the order of the file, into slices: a new one begins where the
 /// beam angle jumps back or the plane changes. All slices get the same fan, from the smallest to
-/// the largest angle. Empty if the points are not such a scan.
+/// the largest angle. In a scan of a SICK in indoor mode ranges from 32.76 m on mean "no echo"; if
+/// any point is beyond the reach of that mode, all points are echoes. Empty if the points are not
+/// such a scan.
 [[nodiscard]] std::vector<UosSlice> find_slices(std::span<const Eigen::Vector3d> points_m);
 
 }  // namespace nodmap::convert

@@ -120,7 +120,7 @@ class StopAndGo {
     scan.pitch_first_rad = slice.pitch_rad;
     scan.pitch_last_rad = slice.pitch_rad;
     scan.range_min_m = kSickRangeMinM;
-    scan.range_max_m = kSickIndoorRangeMaxM;
+    scan.range_max_m = slice.range_max_m;
     scan.ranges_m = slice.ranges_m;
     recording_.add_scan(node::write_scan(scan));
     stamp_ += kSickFinePeriod;

@@ -120,10 +120,28 @@ TEST(Uos, BeamsThatAreLeftOutAreNoMeasurement) {
 
 TEST(Uos, FarReadingsAreNoReturn) {
   Made made = make(3, 361, 0.5);
-  made.points_m[5] *= 33.0 / made.points_m[5].norm();
+  made.points_m[5] *= 32.765 / made.points_m[5].norm();
   const auto slices = find_slices(made.points_m);
   ASSERT_EQ(slices.size(), 3U);
   EXPECT_TRUE(std::isinf(slices[0].ranges_m[5]));
+  EXPECT_EQ(slices[0].range_max_m, 32.76);
+}
+
+// A SICK in indoor mode cannot have measured 40 m.
+TEST(Uos, FarPointsOfAnotherScannerAreEchoes) {
+  Made made = make(3, 361, 0.5);
+  for (const auto& [point, range_m] : {std::pair{5U, 32.765}, {6U, 40.0}, {400U, 35.0}}) {
+    made.points_m[point] *= range_m / made.points_m[point].norm();
+  }
+  const auto slices = find_slices(made.points_m);
+  ASSERT_EQ(slices.size(), 3U);
+  EXPECT_FLOAT_EQ(slices[0].ranges_m[5], 32.765F);
+  EXPECT_FLOAT_EQ(slices[0].ranges_m[6], 40.0F);
+  EXPECT_FLOAT_EQ(slices[1].ranges_m[39], 35.0F);
+  for (const UosSlice& slice : slices) {
+    EXPECT_GT(slice.range_max_m, 40.0);
+    EXPECT_LT(slice.range_max_m, 40.001);
+  }
 }
 
 TEST(Uos, DegenerateInputHasNoSlices) {
