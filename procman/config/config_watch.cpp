@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/config/config_watch.hpp"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -13,8 +14,14 @@ constexpr time::Duration kLookPeriod = 250ms;
 
 }  // namespace
 
-ConfigWatch::ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now)
-    : file_(std::move(file)), settle_(settle), in_use_(look()), seen_(in_use_), seen_since_(now) {}
+ConfigWatch::ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now,
+                         std::string deputy)
+    : file_(std::move(file)),
+      settle_(settle),
+      deputy_(std::move(deputy)),
+      in_use_(look()),
+      seen_(in_use_),
+      seen_since_(now) {}
 
 std::optional<ConfigWatch::Stamp> ConfigWatch::look() const {
   std::error_code error;
@@ -41,6 +48,7 @@ std::optional<ParsedConfig> ConfigWatch::poll(time::SteadyTime now) {
   }
   try {
     ParsedConfig parsed = parse_config(formats::read_input(file_));
+    need_commands(parsed);
     in_use_ = stamp;
     return parsed;
   } catch (const formats::InputFileError& error) {
@@ -49,6 +57,17 @@ std::optional<ParsedConfig> ConfigWatch::poll(time::SteadyTime now) {
     }
     unreadable_ = stamp;
     return ParsedConfig{{}, {{{}, error.what()}}};
+  }
+}
+
+// An editor leaves an empty file if the disk is full: that must not stop a robot.
+void ConfigWatch::need_commands(ParsedConfig& parsed) const {
+  const bool has_command = std::ranges::any_of(
+      parsed.config.commands,
+      [this](const Command& command) { return deputy_.empty() || command.deputy == deputy_; });
+  if (parsed.errors.empty() && !has_command) {
+    parsed.errors.push_back(
+        {{}, "there is no command" + (deputy_.empty() ? "" : " for the deputy " + deputy_)});
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "common/geometry/time.hpp"
 #include "procman/config/parser.hpp"
@@ -19,12 +20,13 @@ class ConfigWatch {
   static constexpr time::Duration kSheriffSettle = 2s;
 
   /// A change is reported once the file has stayed the same for `settle`, because editors write in
-  /// pieces.
-  ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now);
+  /// pieces. `deputy`: whose commands count; empty: all.
+  ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now,
+              std::string deputy = {});
 
-  /// The new content with its errors, once after each change; else empty. Of a file that cannot be
-  /// read (its owner may still allow it) it reports that error once, and tries again. Looks at the
-  /// file at most four times a second.
+  /// The new content with its errors, once after each change; else empty. No commands are an error,
+  /// too. Of a file that cannot be read (its owner may still allow it) it reports that error once,
+  /// and tries again. Looks at the file at most four times a second.
   [[nodiscard]] std::optional<ParsedConfig> poll(time::SteadyTime now);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
@@ -38,9 +40,11 @@ class ConfigWatch {
   };
 
   [[nodiscard]] std::optional<Stamp> look() const;
+  void need_commands(ParsedConfig& parsed) const;
 
   std::filesystem::path file_;
   time::Duration settle_;
+  std::string deputy_;
   std::optional<Stamp> in_use_;
   std::optional<Stamp> unreadable_;  // could not be read, which was reported
   std::optional<Stamp> seen_;

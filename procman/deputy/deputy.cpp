@@ -51,7 +51,8 @@ class Deputy {
         status_("nodmap-deputy", bus_, counts_, clock_),
         started_(time::steady_now()) {
     if (!settings.config_file.empty()) {
-      config_watch_.emplace(settings.config_file, ConfigWatch::kDeputySettle, started_);
+      config_watch_.emplace(settings.config_file, ConfigWatch::kDeputySettle, started_,
+                            settings.id);
     }
   }
 
@@ -229,9 +230,7 @@ void Deputy::reload_config() {
   if (parsed->errors.empty()) {
     settings_.permissions = Permissions(settings_.id, parsed->config);
     supervisor_.retry_refused(time::steady_now());
-    log::get().info(
-        "{} was reloaded{}", settings_.config_file,
-        settings_.permissions.is_empty() ? " but has no command for this deputy any more" : "");
+    log::get().info("{} was reloaded", settings_.config_file);
   }
 }
 

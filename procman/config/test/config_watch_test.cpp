@@ -73,6 +73,42 @@ TEST_F(ConfigWatchTest, ReportsErrorsAndWaitsForAFileThatWasDeleted) {
   EXPECT_FALSE(parsed->errors.empty());
 }
 
+// An editor that finds the disk full leaves an empty file, and the robot drives meanwhile.
+TEST_F(ConfigWatchTest, AFileWithoutCommandsIsAnErrorAndWhatFollowsIsNot) {
+  write("cmd \"a\" { exec = \"x\"; }");
+  watch_.emplace(file_, 1s, now_);
+  for (const char* text : {"", "# nothing", "group \"g\" { }", "script \"s\" { wait ms 1; }"}) {
+    write(text);
+    EXPECT_FALSE(poll_after(1s));
+    const auto parsed = poll_after(1s);
+    ASSERT_TRUE(parsed) << text;
+    ASSERT_EQ(parsed->errors.size(), 1U) << text;
+    EXPECT_EQ(describe("f", parsed->errors[0]), "f:1:1: there is no command");
+    EXPECT_FALSE(poll_after(1s)) << "once";
+  }
+  write("cmd \"a\" { exec = \"x\"; }");
+  EXPECT_FALSE(poll_after(1s));
+  const auto parsed = poll_after(1s);
+  ASSERT_TRUE(parsed);
+  EXPECT_TRUE(parsed->errors.empty());
+}
+
+TEST_F(ConfigWatchTest, ADeputyNeedsACommandOfItsOwn) {
+  write(R"(cmd "a" { exec = "x"; deputy = "here"; })");
+  watch_.emplace(file_, 1s, now_, "here");
+  write(R"(cmd "a" { exec = "x"; deputy = "there"; })");
+  EXPECT_FALSE(poll_after(1s));
+  const auto elsewhere = poll_after(1s);
+  ASSERT_TRUE(elsewhere);
+  ASSERT_EQ(elsewhere->errors.size(), 1U);
+  EXPECT_EQ(elsewhere->errors[0].text, "there is no command for the deputy here");
+  write(R"(cmd "a" { exec = "x"; deputy = "there"; } cmd "b" { exec = "y"; deputy = "here"; })");
+  EXPECT_FALSE(poll_after(1s));
+  const auto both = poll_after(1s);
+  ASSERT_TRUE(both);
+  EXPECT_TRUE(both->errors.empty());
+}
+
 // Somebody copies it as root, who alone may read it then, and permits everybody to read it later:
 // that changes neither its time nor its size.
 TEST_F(ConfigWatchTest, ReportsOnceThatAFileCannotBeReadAndTriesAgain) {
