@@ -16,7 +16,11 @@ constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
 
 std::int64_t free_bytes(const std::filesystem::path& dir) {
   std::error_code error;
-  const std::filesystem::space_info space = std::filesystem::space(dir, error);
+  std::filesystem::path existing = std::filesystem::absolute(dir, error);
+  while (existing.has_relative_path() && !std::filesystem::exists(existing, error)) {
+    existing = existing.parent_path();
+  }
+  const std::filesystem::space_info space = std::filesystem::space(existing, error);
   return error ? kGreatest
                : static_cast<std::int64_t>(std::min<std::uintmax_t>(
                      space.available, static_cast<std::uintmax_t>(kGreatest)));

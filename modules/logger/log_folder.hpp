@@ -13,7 +13,8 @@
 
 namespace nodmap::logger {
 
-/// Free bytes on the disk that contains a folder; the greatest number if this is unknown.
+/// Free bytes on the disk that contains a folder, or would contain it if it were created; the
+/// greatest number if this is unknown.
 [[nodiscard]] std::int64_t free_bytes(const std::filesystem::path& dir);
 
 struct LogFolderSettings {

@@ -88,7 +88,8 @@ void refuse_to_mix(const LogFolderSettings& folder, const std::string& file) {
   }
 }
 
-// Returns the exit code: 0 no message was dropped for lack of disk space, 1 some were.
+// Returns the exit code: 0 no message was dropped for lack of disk space or with its file, 1 some
+// were.
 int record_until_stopped(const Options& options, const LoggerParams& params,
                          const std::string& lcm_url) {
   ChannelFilter filter(params.channel_regex, params.exclude_regex);
@@ -99,8 +100,8 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
   logger.run();
   const RecorderCounts& counts = logger.counts();
   log::get().info(
-      "{} events in {} files; {} dropped for lack of disk space, {} lost before they were "
-      "received; {} old logs deleted",
+      "{} events in {} files; {} dropped for lack of disk space or with a deleted file, {} lost "
+      "before they were received; {} old logs deleted",
       counts.written, counts.files, counts.dropped, logger.lost(), logger.num_deleted_files());
   return counts.dropped == 0 ? 0 : 1;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/logger/recorder.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -80,6 +83,7 @@ void Recorder::begin_file() {
   file_ = folder_.next_file(now);
   writer_.reset();
   writer_ = std::make_unique<bus::LogWriter>(file_);
+  identity_ = formats::FileDescriptor(::open(file_.c_str(), O_PATH | O_CLOEXEC));
   unflushed_ends_bytes_.clear();
   flushed_bytes_ = 0;
   flushed_ = now;
@@ -111,6 +115,11 @@ bool Recorder::flush() {
 // reserve free. Returns whether recording goes on; if not, the failure has been reported.
 bool Recorder::sync() {
   synced_ = clock_.now();
+  // The system goes on taking what is written to a file without a name.
+  if (const Fate end = fate(); end != Fate::kInPlace) {
+    fail(end == Fate::kDeleted ? "the file was deleted" : "the file was moved");
+    return false;
+  }
   const std::int64_t syncs_before = writer_->num_syncs();
   if (!writer_->sync()) {
     fail(writer_->failure().message());
@@ -138,7 +147,7 @@ void Recorder::begin_next_file() {
 
 void Recorder::fail(const std::string& cause) {
   if (writer_) {
-    truncate_to_whole_events();
+    end_file();
   }
   failed_ = clock_.now();
   failure_ = "cannot record into " + folder_.dir().string() + ": " + cause;
@@ -146,17 +155,44 @@ void Recorder::fail(const std::string& cause) {
                    back_off_ / 1s);
 }
 
-// Truncates the file after its last complete event, and counts the events that did not reach it as
-// dropped. Removes a file without events, so that a full disk does not collect empty files.
-void Recorder::truncate_to_whole_events() {
+// Whether the file still exists, and under its name: somebody may have deleted or moved its folder.
+Recorder::Fate Recorder::fate() const {
+  struct stat file {};
+  struct stat named {};
+  if (::fstat(identity_.get(), &file) != 0 || file.st_nlink == 0) {
+    return Fate::kDeleted;
+  }
+  const bool is_named = ::stat(file_.c_str(), &named) == 0 && named.st_dev == file.st_dev &&
+                        named.st_ino == file.st_ino;
+  return is_named ? Fate::kInPlace : Fate::kMoved;
+}
+
+void Recorder::count_lost(std::int64_t events) {
+  counts_.written -= events;
+  counts_.dropped += events;
+}
+
+// Closes the file and counts the events that it does not contain as dropped; all if it was deleted.
+void Recorder::end_file() {
   const auto first_lost = std::ranges::upper_bound(unflushed_ends_bytes_, writer_->size_bytes());
   if (first_lost != unflushed_ends_bytes_.begin()) {
     flushed_bytes_ = *std::prev(first_lost);
   }
-  const std::int64_t num_lost = unflushed_ends_bytes_.end() - first_lost;
-  counts_.written -= num_lost;
-  counts_.dropped += num_lost;
+  const std::int64_t num_events = writer_->num_events();
   writer_.reset();
+  const Fate end = fate();
+  identity_ = formats::FileDescriptor();  // with which a deleted file would still occupy the disk
+  count_lost(end == Fate::kDeleted ? num_events : unflushed_ends_bytes_.end() - first_lost);
+  if (end == Fate::kInPlace) {  // otherwise another file may have its name
+    truncate_to_whole_events();
+  } else if (end == Fate::kDeleted) {
+    --counts_.files;
+  }
+}
+
+// Truncates the file after its last complete event. Removes a file without events, so that a full
+// disk does not collect empty files.
+void Recorder::truncate_to_whole_events() {
   std::error_code ignored;  // harmless on failure: readers skip an incomplete event
   if (flushed_bytes_ == 0) {
     std::filesystem::remove(file_, ignored);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/bus/event_log.hpp"
+#include "common/formats/file_descriptor.hpp"
 #include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/node.hpp"
@@ -25,14 +26,15 @@ struct RecorderSettings {
 
 struct RecorderCounts {
   std::int64_t written = 0;  ///< events written to a file, or buffered until the next flush
-  std::int64_t dropped = 0;  ///< events for which the disk had no room
+  std::int64_t dropped = 0;  ///< events for which the disk had no room, or whose file was deleted
   std::int64_t files = 0;
   std::int64_t syncs = 0;  ///< waits until the disk had everything
 };
 
 /// Writes events into a sequence of log files. If the disk is full, the complete events written so
 /// far stay readable, further events are counted as dropped, and the recorder tries to start a new
-/// file after 1 s, doubling up to 30 s.
+/// file after 1 s, doubling up to 30 s. The same if somebody deletes or moves the file, which is
+/// noticed within a second.
 class Recorder : private boost::noncopyable {
  public:
   static constexpr time::Duration kFlushPeriod = 40ms;
@@ -68,6 +70,10 @@ class Recorder : private boost::noncopyable {
   bool sync();
   void begin_next_file();
   void fail(const std::string& cause);
+  enum class Fate : std::uint8_t { kInPlace, kMoved, kDeleted };
+  [[nodiscard]] Fate fate() const;
+  void count_lost(std::int64_t events);
+  void end_file();
   void truncate_to_whole_events();
   [[nodiscard]] CurrentLog current_log() const;
 
@@ -75,6 +81,7 @@ class Recorder : private boost::noncopyable {
   std::int64_t split_bytes_;
   const time::Clock& clock_;
   std::filesystem::path file_;
+  formats::FileDescriptor identity_;                // of the file, wherever it may be by now
   std::unique_ptr<bus::LogWriter> writer_;          // null after a failure
   std::vector<std::int64_t> unflushed_ends_bytes_;  // file offsets at which unflushed events end
   std::int64_t flushed_bytes_ = 0;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <utility>
 
 #include "modules/logger/test/names_in.hpp"
@@ -128,6 +129,12 @@ TEST_F(LogFolderTest, InPlaceOfALogThatCannotBeDeletedTheNextOldestAreDeleted) {
   LogFolder dut({.dir = dir_.path(), .reserve_bytes = 100, .available_bytes = available});
   dut.delete_oldest({"lcmlog-2026-11-21.04", 1});
   EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00", "lcmlog-2026-11-21.03"));
+}
+
+TEST_F(LogFolderTest, AMissingFolderHasTheSpaceOfTheDiskOnWhichItWouldBe) {
+  const std::int64_t on_this_disk = free_bytes(dir_.path());
+  EXPECT_LT(free_bytes(dir_.path() / "no" / "such"), 2 * on_this_disk);
+  EXPECT_LT(free_bytes("no_such_folder"), std::numeric_limits<std::int64_t>::max());
 }
 
 }  // namespace log_folder_test

@@ -5,24 +5,16 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <boost/core/noncopyable.hpp>
 #include <csignal>
 #include <fstream>
 
-#include "common/bus/event_log.hpp"
-#include "modules/logger/test/names_in.hpp"
-#include "tests/support/data_dir.hpp"
-#include "tests/support/logged.hpp"
-#include "tests/support/manual_clock.hpp"
+#include "modules/logger/test/recorder_fixture.hpp"
 
 namespace nodmap::logger {
 namespace recorder_test {
 
 using ::testing::ElementsAre;
-
-constexpr std::int64_t kStartUs = 1'795'262'400'000'000;  // 2026-11-21 12:00:00 UTC
-constexpr std::size_t kDataBytes = 968;                   // with header and "DATA": 1000 bytes
 
 // A limit on the size of files stands in for a disk that is full: write() fails in the same way.
 class FileSizeLimit : private boost::noncopyable {
@@ -44,35 +36,7 @@ class FileSizeLimit : private boost::noncopyable {
   struct rlimit before_ {};
 };
 
-class RecorderTest : public ::testing::Test {
- protected:
-  // An event of 1000 bytes; its stamp is its number.
-  void record(Recorder& recorder) {
-    recorder.record(time::from_utime(num_recorded_++), "DATA", data_);
-  }
-
-  [[nodiscard]] std::vector<std::string> names() const {
-    return names_in_folder::names_in(dir_.path());
-  }
-
-  // The stamps of the events in a file, which must contain nothing else.
-  [[nodiscard]] std::vector<std::int64_t> stamps(const std::string& name) const {
-    bus::LogReader reader(dir_.path() / name);
-    std::vector<std::int64_t> found;
-    while (const bus::LogEvent* event = reader.next()) {
-      EXPECT_EQ(event->channel, "DATA");
-      EXPECT_EQ(event->data.size(), kDataBytes);
-      found.push_back(event->log_utime_us);
-    }
-    EXPECT_EQ(reader.skipped_bytes(), 0);
-    return found;
-  }
-
-  test::TemporaryDir dir_;
-  test::ManualClock clock_{time::from_utime(kStartUs)};
-  std::vector<std::byte> data_{kDataBytes};
-  std::int64_t num_recorded_ = 0;
-};
+using RecorderTest = recorder_fixture::RecorderFixture;
 
 TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
   Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
@@ -260,32 +224,6 @@ TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
 TEST_F(RecorderTest, AFolderThatCannotBeCreatedIsAnErrorAtTheStart) {
   std::ofstream(dir_.path() / "file") << "x";
   EXPECT_THROW(Recorder({.folder = {.dir = dir_.path() / "file"}}, clock_), std::exception);
-}
-
-TEST_F(RecorderTest, ADeletedFolderIsCreatedAgain) {
-  const auto dir = dir_.path() / "logs";
-  Recorder recorder({.folder = {.dir = dir}, .split_bytes = 1000}, clock_);
-  record(recorder);
-  std::filesystem::remove_all(dir);
-  record(recorder);
-  clock_.advance(Recorder::kFirstBackOff);
-  recorder.tick();
-  record(recorder);
-  recorder.close();
-  EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(2));
-}
-
-// The folder is gone, and no other can be made in its place.
-TEST_F(RecorderTest, AFileThatCannotBeSyncedAtItsEndIsReportedOnce) {
-  const auto dir = dir_.path() / "logs";
-  Recorder recorder({.folder = {.dir = dir}, .split_bytes = 1000}, clock_);
-  record(recorder);
-  std::filesystem::remove_all(dir);
-  std::ofstream(dir) << "x";
-  const std::string text = test::logged([&] { record(recorder); });
-  EXPECT_EQ(std::ranges::count(text, '\n'), 1) << text;
-  EXPECT_THAT(text, ::testing::HasSubstr("cannot record into " + dir.string()));
-  EXPECT_EQ(recorder.counts().dropped, 1);
 }
 
 // The disk has 12 kB, of which 5 kB must stay free: the newest logs of 7 kB remain.
