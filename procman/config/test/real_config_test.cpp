@@ -86,6 +86,17 @@ TEST_P(RealConfig, TheBaseDriverIsRestartedOnlyWhenItIsSilent) {
   }
 }
 
+// It connects again by itself. Each start may write twice to the laser's memory, which wears out.
+TEST_P(RealConfig, TheLaserDriverIsRestartedOnlyWhenItIsSilent) {
+  for (const Command& command : config_.commands) {
+    if (program_of(command.exec) == "nodmap-laser3d") {
+      EXPECT_FALSE(command.health.restart_failed_s);
+      EXPECT_FALSE(command.health.restart_degraded_s);
+      EXPECT_TRUE(command.health.restart_silent_s);
+    }
+  }
+}
+
 // systemd, and `./nodmap demo`, would give up while a command still saves its map.
 TEST_P(RealConfig, WhoeverRunsStopAllWaitsLongerThanItsCommandsMayTake) {
   const int allowed_s = time_to_stop_s(config_, "stop_all");
