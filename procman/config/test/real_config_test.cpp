@@ -128,6 +128,16 @@ TEST_P(RealConfig, TheLoggerIsNotRestartedWhenItHasFailed) {
   }
 }
 
+// Its messages wait while the disk stalls, and so does its STATUS. They last for 12 s.
+TEST_P(RealConfig, TheLoggerIsNotRestartedWhileTheDiskStalls) {
+  constexpr int kMessagesLastS = 12;
+  for (const Command& command : config_.commands) {
+    if (program_of(command.exec) == "nodmap-logger") {
+      EXPECT_GE(command.health.restart_silent_s.value_or(1000), 2 * kMessagesLastS);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RealConfig,
                          ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
