@@ -120,14 +120,25 @@ std::optional<CanFrame> parse_frame(std::string_view line) {
 }
 
 std::optional<SlcanLine> SlcanParser::take(std::uint8_t byte) {
-  if (byte != kCarriageReturn && byte != kBell) {
-    if (size_ == line_.size()) {
-      overflow_ = true;
-    } else {
-      line_[size_++] = static_cast<char>(byte);
-    }
-    return std::nullopt;
+  if (byte == kCarriageReturn || byte == kBell) {
+    return take_end(byte);
   }
+  // With auto-poll they acknowledge a frame. Some clones send no CR after them.
+  if (size_ == 0 && (byte == 'z' || byte == 'Z')) {
+    is_acknowledged_ = true;
+    ++counts_.done;
+    return SlcanLine{SlcanLine::Kind::kDone, {}, 0};
+  }
+  if (size_ == line_.size()) {
+    overflow_ = true;
+  } else {
+    line_[size_++] = static_cast<char>(byte);
+  }
+  return std::nullopt;
+}
+
+std::optional<SlcanLine> SlcanParser::take_end(std::uint8_t end) {
+  const bool ends_acknowledgement = is_acknowledged_ && size_ == 0 && end == kCarriageReturn;
   const std::string_view text(line_.data(), size_);
   const bool overflow = overflow_;
   restart();
@@ -135,12 +146,13 @@ std::optional<SlcanLine> SlcanParser::take(std::uint8_t byte) {
     ++counts_.too_long;
     return std::nullopt;
   }
-  return classify(text, byte);
+  return ends_acknowledgement ? std::nullopt : classify(text, end);
 }
 
 void SlcanParser::restart() {
   size_ = 0;
   overflow_ = false;
+  is_acknowledged_ = false;
 }
 
 std::optional<SlcanLine> SlcanParser::classify(std::string_view text, std::uint8_t end) {
@@ -149,8 +161,7 @@ std::optional<SlcanLine> SlcanParser::classify(std::string_view text, std::uint8
     ++counts_.refused;
     return SlcanLine{Kind::kRefused, {}, 0};
   }
-  // z and Z precede the CR with auto-poll; some clones send them instead of an empty line.
-  if (text.empty() || text == "z" || text == "Z") {
+  if (text.empty()) {
     ++counts_.done;
     return SlcanLine{Kind::kDone, {}, 0};
   }

@@ -77,7 +77,7 @@ class SlcanParser {
     }
   }
 
-  /// Adds a byte; returns the line that it completes, if that is a valid one.
+  /// Adds a byte; returns the line or acknowledgement that it completes, if that is a valid one.
   std::optional<SlcanLine> take(std::uint8_t byte);
 
   /// Drops an incomplete line, because a new connection starts.
@@ -89,11 +89,13 @@ class SlcanParser {
   // T, 8 digits of id, length, 16 of data, 4 of stamp.
   static constexpr std::size_t kLongestLine = 30;
 
+  [[nodiscard]] std::optional<SlcanLine> take_end(std::uint8_t end);
   [[nodiscard]] std::optional<SlcanLine> classify(std::string_view text, std::uint8_t end);
 
   std::array<char, kLongestLine> line_{};
   std::size_t size_ = 0;
   bool overflow_ = false;
+  bool is_acknowledged_ = false;  // by z or Z, which a CR may follow
   SlcanCounts counts_;
 };
 

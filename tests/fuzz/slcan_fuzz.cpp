@@ -46,8 +46,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   nodmap::kurt::SlcanParser parser;
   std::int64_t ends = 0;
   std::int64_t flags = 0;
+  bool begins = true;
+  bool acknowledged = false;
   for (const std::uint8_t byte : std::span(data, size)) {
-    ends += byte == '\r' || byte == '\a' ? 1 : 0;
+    const bool is_end = byte == '\r' || byte == '\a';
+    // A z or Z where a line begins is an acknowledgement, with or without a CR.
+    const bool acknowledges = begins && (byte == 'z' || byte == 'Z');
+    ends += (is_end && !(acknowledged && byte == '\r')) || acknowledges ? 1 : 0;
+    begins = is_end || acknowledges;
+    acknowledged = acknowledges;
   }
   parser.push({data, size}, [&flags](const SlcanLine& line) {
     flags += line.kind == SlcanLine::Kind::kFlags ? 1 : 0;

@@ -117,6 +117,22 @@ TEST(SlcanParser, DistinguishesFramesAnswersAndFlags) {
   EXPECT_EQ(parser.counts().frames, 1);
 }
 
+// As some clones do: the next line is one of the base.
+TEST(SlcanParser, AnAcknowledgementNeedsNoLineEnd) {
+  SlcanParser parser;
+  const auto lines = parse(parser, "zt1230\rzZT1111222281122334455667788EA5F\rz\rt1230\rz\a");
+  ASSERT_EQ(lines.size(), 9U);
+  EXPECT_EQ(lines[0].kind, SlcanLine::Kind::kDone);
+  EXPECT_EQ(lines[1].frame, frame(0x123, {}));
+  EXPECT_EQ(lines[4].frame.id, 0x11112222U) << "the longest line";
+  EXPECT_EQ(lines[8].kind, SlcanLine::Kind::kRefused);
+  EXPECT_EQ(parser.counts().done, 5);
+  EXPECT_EQ(parser.counts().frames, 3);
+  EXPECT_EQ(parser.counts().refused, 1);
+  EXPECT_EQ(parser.counts().unknown + parser.counts().malformed, 0);
+  EXPECT_EQ(parse(parser, "z").size(), 1U) << "at once, not with the next line";
+}
+
 TEST(SlcanParser, BellEndsALine) {
   SlcanParser parser;
   EXPECT_EQ(parse(parser, "t1230\a").size(), 1U);
@@ -164,16 +180,26 @@ TEST(SlcanParser, AfterARestartALineBegunIsForgotten) {
   EXPECT_EQ(parse(parser, "t4563112233\r").at(0).frame.id, 0x456U);
 }
 
-// Whatever arrives, every line is counted exactly once, and valid lines get through.
+// Whatever arrives, every line and every acknowledgement without an end is counted exactly once,
+// and valid lines get through.
 TEST(SlcanParser, NoiseIsSurvivedAndCounted) {
   std::mt19937 random(5);
   SlcanParser parser;
   std::string text;
-  std::int64_t ends = 0;
   const std::string letters = "tTrRzZF0123456789abcdefABCDEF\r\a\n \xFF";
   for (int i = 0; i < 200'000; ++i) {
     text += letters[random() % letters.size()];
-    ends += text.back() == '\r' || text.back() == '\a' ? 1 : 0;
+  }
+  // A z or Z counts where a line begins; the CR after it does not.
+  std::int64_t ends = 0;
+  bool begins = true;
+  bool acknowledged = false;
+  for (const char c : text) {
+    const bool is_end = c == '\r' || c == '\a';
+    const bool acknowledges = begins && (c == 'z' || c == 'Z');
+    ends += (is_end && !(acknowledged && c == '\r')) || acknowledges ? 1 : 0;
+    begins = is_end || acknowledges;
+    acknowledged = acknowledges;
   }
   std::int64_t flags = 0;
   for (const SlcanLine& line : parse(parser, text)) {
