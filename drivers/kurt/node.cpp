@@ -306,6 +306,9 @@ void KurtNode::log_change(const time::Moment& now) {
              state != KurtState::kNoLine) {  // the loss of the line has been logged by the link
     log::get().warn("{}", text);
   }
+  if (kurt_.session().lacks_flags() && !std::exchange(is_lack_of_flags_logged_, true)) {
+    log::get().warn("the adapter does not support F: errors on the CAN bus are not reported");
+  }
 }
 
 nlohmann::json KurtNode::metrics() const {
@@ -358,6 +361,10 @@ node::Health KurtNode::health() const {
 }
 
 const char* KurtNode::lack(KurtState state) const {
+  if (state == KurtState::kLate && kurt_.session().is_unanswered()) {
+    return "the adapter answers neither F nor V in time, so frames may be late: the robot is "
+           "stationary";
+  }
   const bool is_base_silent = state == KurtState::kNoBus && kurt_.session().is_mute();
   return describe(is_base_silent ? KurtState::kNoBase : state, false);
 }

@@ -86,6 +86,7 @@ class KurtNode final : public node::DeviceNode {
   time::SteadyTime base_seen_;
   KurtState logged_state_ = KurtState::kNoLine;
   std::string_view logged_text_;
+  bool is_lack_of_flags_logged_ = false;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;
   std::int64_t odometry_seq_ = 0;

@@ -168,6 +168,9 @@ std::optional<SlcanLine> SlcanParser::classify(std::string_view text, std::uint8
   if (const auto flags = parse_flags(text)) {
     return SlcanLine{Kind::kFlags, {}, *flags};
   }
+  if (text.front() == 'V' && text.size() > 1) {
+    return SlcanLine{Kind::kVersion, {}, 0};
+  }
   if (const auto frame = parse_frame(text)) {
     ++counts_.frames;
     return SlcanLine{Kind::kFrame, *frame, 0};

@@ -37,6 +37,7 @@ struct SlcanLine {
     kDone,     ///< a command was executed
     kRefused,  ///< a command was refused
     kFlags,    ///< the answer to `F`
+    kVersion,  ///< the answer to `V`
   };
   Kind kind = Kind::kDone;
   CanFrame frame;          ///< of kFrame
@@ -60,7 +61,7 @@ struct SlcanCounts {
   std::int64_t refused = 0;
   std::int64_t malformed = 0;  ///< like a frame, but too short, dlc > 8, or not hexadecimal
   std::int64_t too_long = 0;   ///< longer than any line can be: a line end was lost
-  std::int64_t unknown = 0;    ///< other letters: states, errors and versions of some adapters
+  std::int64_t unknown = 0;  ///< other letters: states, errors and serial numbers of some adapters
 };
 
 /// Splits received bytes into lines. Accepts any bytes in pieces of any size; invalid ones are

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/kurt/slcan_session.hpp"
 
-#include <utility>
-
 namespace nodmap::kurt {
 namespace {
 
 constexpr time::Duration kAnswerTimeout = 200ms;
 // The base sends its encoder ticks every 10 ms; 50 missing in a row are not an accident.
 constexpr time::Duration kMute = 500ms;
-constexpr time::Duration kFlagsPeriod = 1s;
+constexpr time::Duration kQuestionPeriod = 1s;
 // In time is an answer within twice what a sound line takes: 16 ms to and from a USB adapter with
 // the default latency, and a period until the driver looks. Within 70 ms the robot drives 0.13 m at
 // 1.8 m/s, and its navigator halts by itself when odometry is 100 ms older than a scan.
@@ -31,6 +29,7 @@ void SlcanSession::start(time::SteadyTime now) {
   entered_ = now;
   attempts_ = 0;
   flags_ = 0;
+  flags_missing_ = 0;
   greeted_ = false;
 }
 
@@ -45,8 +44,9 @@ std::string SlcanSession::enter(State state, time::SteadyTime now) {
       return "O\r";
     case State::kOpen:
       last_frame_ = now;
-      flags_asked_ = now;
+      asked_ = now;
       is_asked_ = false;
+      is_unanswered_ = false;
       is_overdue_ = false;
       is_doubted_ = false;
       delay_ = {};
@@ -94,7 +94,12 @@ void SlcanSession::take(const SlcanLine& line, time::SteadyTime now) {
       ++refused_in_a_row_;
       break;
     case SlcanLine::Kind::kFlags:
-      take_flags(line.flags, now);
+      flags_ = line.flags;
+      flags_missing_ = 0;
+      take_answer(Question::kFlags, now);
+      break;
+    case SlcanLine::Kind::kVersion:
+      take_answer(Question::kVersion, now);
       break;
   }
 }
@@ -129,21 +134,29 @@ std::string SlcanSession::poll_open(time::SteadyTime now) {
   watch_answer(now);
   const time::Duration pause = is_asked_     ? kUnanswered
                                : is_doubted_ ? kDoubtfulPeriod
-                                             : kFlagsPeriod;
-  if (now - flags_asked_ >= pause) {
-    is_doubted_ = is_doubted_ || is_asked_;
-    flags_asked_ = now;
-    is_asked_ = true;
-    is_overdue_ = false;
-    return "F\r";
+                                             : kQuestionPeriod;
+  if (now - asked_ < pause) {
+    return "";
   }
-  return "";
+  question_ = next_question();
+  is_unanswered_ = is_asked_;
+  is_doubted_ = is_doubted_ || is_asked_;
+  asked_ = now;
+  is_asked_ = true;
+  is_overdue_ = false;
+  return question_ == Question::kFlags ? "F\r" : "V\r";
+}
+
+// The version if the flags were not told, which may have been an accident.
+SlcanSession::Question SlcanSession::next_question() const {
+  const bool are_flags_missing = is_asked_ && question_ == Question::kFlags;
+  return lacks_flags() || are_flags_missing ? Question::kVersion : Question::kFlags;
 }
 
 // A single answer may be lost, so one that does not come makes the line late only while frames of
 // the base are missing, too, or when the one before it did not come either.
 void SlcanSession::watch_answer(time::SteadyTime now) {
-  const time::Duration waited = now - flags_asked_;
+  const time::Duration waited = now - asked_;
   is_doubted_ = is_doubted_ || now - last_frame_ >= kDoubtful;
   if (!is_asked_ || waited <= kInTime) {
     return;
@@ -156,13 +169,17 @@ void SlcanSession::watch_answer(time::SteadyTime now) {
 
 // An answer is in time unless poll() has looked for it in vain after its time: if this process was
 // not scheduled, the answer may have waited for it.
-void SlcanSession::take_flags(std::uint8_t flags, time::SteadyTime now) {
-  flags_ = flags;
-  if (!std::exchange(is_asked_, false)) {
+void SlcanSession::take_answer(Question question, time::SteadyTime now) {
+  if (!is_asked_ || question != question_) {
     return;
   }
+  if (question == Question::kVersion) {
+    ++flags_missing_;  // because it is asked only if they are
+  }
+  is_asked_ = false;
+  is_unanswered_ = false;
   is_doubted_ = is_overdue_;
-  delay_ = is_overdue_ ? now - flags_asked_ : 0us;
+  delay_ = is_overdue_ ? now - asked_ : 0us;
 }
 
 }  // namespace nodmap::kurt

@@ -45,7 +45,7 @@ void check_frame(const CanFrame& frame) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   nodmap::kurt::SlcanParser parser;
   std::int64_t ends = 0;
-  std::int64_t flags = 0;
+  std::int64_t answers = 0;
   bool begins = true;
   bool acknowledged = false;
   for (const std::uint8_t byte : std::span(data, size)) {
@@ -56,13 +56,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     begins = is_end || acknowledges;
     acknowledged = acknowledges;
   }
-  parser.push({data, size}, [&flags](const SlcanLine& line) {
-    flags += line.kind == SlcanLine::Kind::kFlags ? 1 : 0;
+  parser.push({data, size}, [&answers](const SlcanLine& line) {
+    answers +=
+        line.kind == SlcanLine::Kind::kFlags || line.kind == SlcanLine::Kind::kVersion ? 1 : 0;
     if (line.kind == SlcanLine::Kind::kFrame) {
       check_frame(line.frame);
     }
   });
   const nodmap::kurt::SlcanCounts& c = parser.counts();
-  require(c.frames + c.done + c.refused + c.malformed + c.too_long + c.unknown + flags == ends);
+  require(c.frames + c.done + c.refused + c.malformed + c.too_long + c.unknown + answers == ends);
   return 0;
 }

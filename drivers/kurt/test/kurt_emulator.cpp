@@ -57,7 +57,10 @@ std::string KurtEmulator::obey(const std::string& line) {
     return open_ ? "\r" : "\a";
   }
   if (line == "F") {
-    return open_ ? "F00\r" : "\a";
+    return open_ && has_flags ? "F00\r" : "\a";
+  }
+  if (line == "V") {
+    return has_version ? "V1013\r" : "\a";
   }
   return open_ ? obey_frame(line) : "\a";
 }

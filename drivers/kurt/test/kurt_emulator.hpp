@@ -23,6 +23,8 @@ class KurtEmulator {
 
   // Faults.
   bool mute_adapter = false;  ///< answers nothing
+  bool has_flags = true;      ///< otherwise it refuses F
+  bool has_version = true;    ///< otherwise it refuses V
   bool base_off = false;      ///< sends no frames
   int drop_encoders = 0;      ///< number of encoder frames still to be lost
   int wild_encoders = 0;      ///< number of encoder frames still to contain implausible ticks

@@ -271,5 +271,16 @@ TEST(KurtLosses, ALateLineStopsTheRobotUntilItIsInTime) {
   }
 }
 
+TEST(KurtLosses, ItDrivesWithAnAdapterThatHasNoFlags) {
+  Robot robot;
+  robot.base.has_flags = false;
+  robot.run_for(500ms);
+  for (int i = 0; i < 100; ++i) {
+    robot.drive_for(1.0, 0.0, 100ms);
+    ASSERT_EQ(robot.kurt.state(robot.now), KurtState::kDriving) << i;
+  }
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+}
+
 }  // namespace kurt_losses_test
 }  // namespace nodmap::kurt

@@ -8,6 +8,7 @@
 
 #include "drivers/kurt/node.hpp"
 #include "drivers/kurt/test/node_bench.hpp"
+#include "tests/support/logged.hpp"
 
 namespace nodmap::kurt {
 namespace node_test {
@@ -199,6 +200,27 @@ TEST(KurtNode, ALineThatAcceptsNoBytesIsGivenUp) {
   }
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.node->health().reason, "the line does not accept bytes");
+}
+
+TEST(KurtNode, AnAdapterThatAnswersNoQuestionIsCalledThat) {
+  Bench bench;
+  bench.base.has_flags = false;
+  bench.base.has_version = false;
+  ASSERT_TRUE(bench.becomes_ready());
+  ASSERT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 2s));
+  EXPECT_EQ(bench.node->health().reason.find("the adapter answers neither F nor V"), 0U);
+}
+
+TEST(KurtNode, AnAdapterWithoutFlagsIsLoggedOnce) {
+  Bench bench;
+  bench.base.has_flags = false;
+  ASSERT_TRUE(bench.becomes_ready());
+  const std::string text = test::logged([&] { bench.drive_for(0.5, 0.0, 10s); });
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  const std::size_t at = text.find("the adapter does not support F");
+  EXPECT_NE(at, std::string::npos) << text;
+  EXPECT_EQ(text.rfind("the adapter does not support F"), at);
 }
 
 }  // namespace node_test

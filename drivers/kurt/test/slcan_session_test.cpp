@@ -26,7 +26,8 @@ struct Bench {
   bool frames_come = true;
   // Of the adapter's answers and the base's frames.
   std::function<time::Duration(time::SteadyTime)> late = [](time::SteadyTime) { return 0ms; };
-  int flags_to_lose = 0;
+  int answers_to_lose = 0;
+  bool has_flags = true;         // otherwise F is refused
   time::SteadyTime waits_until;  // the driver's process is not scheduled until then
   std::deque<std::pair<time::SteadyTime, Kind>> on_the_line;
 
@@ -47,11 +48,14 @@ struct Bench {
         continue;
       }
       sent.push_back(text);
-      if (text == "F\r") {
-        if (flags_to_lose > 0) {
-          --flags_to_lose;
+      if (text == "F\r" || text == "V\r") {
+        if (answers_to_lose > 0) {
+          --answers_to_lose;
         } else {
-          on_the_line.push_back({now + std::max<time::Duration>(late(now), 10ms), Kind::kFlags});
+          const Kind kind = text == "V\r" ? Kind::kVersion
+                            : has_flags   ? Kind::kFlags
+                                          : Kind::kRefused;
+          on_the_line.push_back({now + std::max<time::Duration>(late(now), 10ms), kind});
         }
         continue;
       }
@@ -225,7 +229,7 @@ TEST(SlcanSession, ASlowAdapterAndALostAnswerAreNoDelay) {
   bench.late = [](time::SteadyTime now) { return now.time_since_epoch() % 37ms; };
   bench.session.start({});
   for (int i = 0; i < 1000; ++i) {
-    bench.flags_to_lose = i % 100 == 99 ? 1 : 0;
+    bench.answers_to_lose = i % 100 == 99 ? 1 : 0;
     bench.run_for(100ms);
     EXPECT_EQ(bench.session.delay(), 0ms) << i;
   }
@@ -253,6 +257,54 @@ TEST(SlcanSession, ASilentBaseIsNotLate) {
     bench.run_for(10ms);
     EXPECT_EQ(bench.session.delay(), 0ms);
   }
+}
+
+TEST(SlcanSession, AnAdapterThatRefusesToTellItsFlagsIsInTimeAllTheSame) {
+  Bench bench;
+  bench.has_flags = false;
+  bench.session.start({});
+  for (int i = 0; i < 1000; ++i) {
+    bench.run_for(10ms);
+    ASSERT_EQ(bench.session.delay(), 0ms) << i;
+  }
+  EXPECT_TRUE(bench.session.lacks_flags());
+  EXPECT_FALSE(bench.session.is_unanswered());
+  EXPECT_EQ(std::ranges::count(bench.sent, "F\r"), 3);
+  EXPECT_EQ(bench.session.restarts(), 0);
+  // It is noticed as before when the line is late.
+  const time::SteadyTime begin = bench.now;
+  bench.late = [&](time::SteadyTime now) { return now < begin + 2s ? 150ms : 0ms; };
+  bench.run_for(130ms);
+  EXPECT_GT(bench.session.delay(), 70ms);
+  bench.run_for(4s);
+  EXPECT_EQ(bench.session.delay(), 0ms);
+}
+
+TEST(SlcanSession, ALostAnswerDoesNotMeanThatThereAreNoFlags) {
+  Bench bench;
+  bench.session.start({});
+  bench.run_for(500ms);
+  for (int i = 0; i < 10; ++i) {
+    bench.answers_to_lose = 1;
+    bench.run_for(5s);
+    EXPECT_FALSE(bench.session.lacks_flags());
+    EXPECT_FALSE(bench.session.is_unanswered());
+  }
+}
+
+// A refusal may be one of a frame: it says nothing about the line.
+TEST(SlcanSession, ARefusalIsNoAnswer) {
+  Bench bench;
+  bench.session.start({});
+  bench.run_for(500ms);
+  bench.answers_to_lose = 1'000'000;
+  for (int i = 0; i < 14; ++i) {
+    bench.session.take({Kind::kDone, {}, 0}, bench.now);
+    bench.session.take({Kind::kRefused, {}, 0}, bench.now);
+    bench.run_for(100ms);
+  }
+  EXPECT_GT(bench.session.delay(), 70ms);
+  EXPECT_TRUE(bench.session.is_unanswered());
 }
 
 }  // namespace slcan_session_test

@@ -102,8 +102,8 @@ TEST(Slcan, InvalidFramesAreRefused) {
 TEST(SlcanParser, DistinguishesFramesAnswersAndFlags) {
   using Kind = SlcanLine::Kind;
   SlcanParser parser;
-  const auto lines = parse(parser, "\r\az\rZ\rt1230\rF85\r");
-  ASSERT_EQ(lines.size(), 6U);
+  const auto lines = parse(parser, "\r\az\rZ\rt1230\rF85\rV1013\r");
+  ASSERT_EQ(lines.size(), 7U);
   EXPECT_EQ(lines[0].kind, Kind::kDone);
   EXPECT_EQ(lines[1].kind, Kind::kRefused);
   EXPECT_EQ(lines[2].kind, Kind::kDone);
@@ -112,6 +112,7 @@ TEST(SlcanParser, DistinguishesFramesAnswersAndFlags) {
   EXPECT_EQ(lines[4].frame, frame(0x123, {}));
   EXPECT_EQ(lines[5].kind, Kind::kFlags);
   EXPECT_EQ(lines[5].flags, kReceiveQueueFull | kErrorWarning | kBusError);
+  EXPECT_EQ(lines[6].kind, Kind::kVersion);
   EXPECT_EQ(parser.counts().done, 3);
   EXPECT_EQ(parser.counts().refused, 1);
   EXPECT_EQ(parser.counts().frames, 1);
@@ -144,7 +145,7 @@ TEST(SlcanParser, DropsAndCountsByCause) {
   SlcanParser parser;
   EXPECT_TRUE(parse(parser, "t12\rt1239112233445566778899\rt123111G\rFxx\rF\rF8501\r").empty());
   EXPECT_EQ(parser.counts().malformed, 6);
-  EXPECT_TRUE(parse(parser, "V1013\rN4242\rsa01\re1a00\r").empty());
+  EXPECT_TRUE(parse(parser, "V\rN4242\rsa01\re1a00\r").empty());
   EXPECT_EQ(parser.counts().unknown, 4);
   EXPECT_TRUE(parse(parser, "T1111222281122334455667788EA5F0\r").empty());  // one too long
   EXPECT_EQ(parser.counts().too_long, 1);
