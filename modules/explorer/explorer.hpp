@@ -31,7 +31,7 @@ enum class State : std::uint8_t {
 struct Situation {
   time::Timestamp stamp{};
   geometry::SE2 T_map_base;
-  /// False: the robot is kept from driving, and what it does not reach has not failed.
+  /// False: the robot is kept from driving, wherever to, and what it does not reach has not failed.
   bool may_drive = true;
   bool has_no_path = false;  ///< the navigator finds no path to its goal
   bool has_arrived = false;  ///< the navigator is at its goal

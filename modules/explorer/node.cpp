@@ -19,7 +19,8 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 // After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
 // second.
 constexpr time::Duration kPoseTimeout = 5s;
-// The navigator says several times a second that there is no path, and nothing while it halts.
+// The navigator says several times a second that there is no path. While it halts, it says so only
+// of a goal outside the geofence.
 constexpr time::Duration kPathTimeout = 1s;
 // After this long without NAVIGATION, which comes with every DRIVE, there is no navigator.
 constexpr time::Duration kNavigatorTimeout = 2s;
@@ -263,12 +264,12 @@ void ExplorerNode::decide(time::Timestamp now) {
   halt_reason_ = halt_reason(now);
   halted_since_ = explores() && !halt_reason_.empty() ? std::optional(halted_since_.value_or(now))
                                                       : std::nullopt;
-  Decision decision =
-      explorer_.decide({.stamp = now,
-                        .T_map_base = *T_map_base(),
-                        .may_drive = halt_reason_.empty(),
-                        .has_no_path = no_path_at_ && !time::is_due(now, no_path_at_, kPathTimeout),
-                        .has_arrived = has_arrived_});
+  const bool has_no_path = no_path_at_ && !time::is_due(now, no_path_at_, kPathTimeout);
+  Decision decision = explorer_.decide({.stamp = now,
+                                        .T_map_base = *T_map_base(),
+                                        .may_drive = halt_reason_.empty() || has_no_path,
+                                        .has_no_path = has_no_path,
+                                        .has_arrived = has_arrived_});
   if (decision.state == State::kIdle && !was_idle) {
     end(decision.reason);
   } else if (decision.state == State::kIdle) {

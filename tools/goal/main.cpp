@@ -74,11 +74,7 @@ class Guide {
       }
       obeyed_ = time::steady_now();
       reason_ = node::read_name(m.reason);
-      const bool is_halted = m.behaviour == navigation_t::HALT;
-      if (is_halted) {
-        route_.take_halt(obeyed_);
-      }
-      tell_halt(is_halted ? reason_ : "");
+      tell_halt(m.behaviour == navigation_t::HALT ? reason_ : "");
       if (!arguments_.is_patrol || obeyed_ - decided_ >= kMinStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }

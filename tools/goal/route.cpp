@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace nodmap {
+namespace {
+
+// Between two reports that are farther apart than this the navigator was silent.
+constexpr time::Duration kSilence = 1s;
+
+}  // namespace
 
 Route::Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience)
     : waypoints_map_(std::move(waypoints_map)), is_patrol_(is_patrol), patience_(patience) {}
@@ -18,26 +24,21 @@ Route::Event Route::take_arrival(bool has_arrived) {
 }
 
 Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
-  reported_ = now;
   if (has_path || is_over_) {
-    no_path_since_.reset();
+    forget_no_path();
     return Event::kNone;
   }
-  no_path_since_ = no_path_since_.value_or(now);
-  if (now - *no_path_since_ < patience_) {
+  const time::Duration since = now - std::exchange(no_path_at_, now).value_or(now);
+  if (since <= kSilence) {
+    without_path_ += since;
+  }
+  if (without_path_ < patience_) {
     return Event::kNone;
   }
   ++num_missed_;
   ++missed_in_turn_;
   go_on();
   return Event::kMissed;
-}
-
-void Route::take_halt(time::SteadyTime now) {
-  if (no_path_since_) {
-    *no_path_since_ += now - reported_;
-  }
-  reported_ = now;
 }
 
 void Route::go_on() {
@@ -47,7 +48,12 @@ void Route::go_on() {
     return;
   }
   index_ = is_last ? 0 : index_ + 1;
-  no_path_since_.reset();
+  forget_no_path();
+}
+
+void Route::forget_no_path() {
+  no_path_at_.reset();
+  without_path_ = {};
 }
 
 }  // namespace nodmap

@@ -25,12 +25,10 @@ class Route {
   /// Takes the navigator's report whether the robot is at the waypoint.
   Event take_arrival(bool has_arrived);
 
-  /// Takes the navigator's report whether it knows a path to the waypoint.
+  /// Takes the navigator's report, ten times a second, whether it knows a path to the waypoint.
+  /// Silence is no time without a path: while the robot is halted, the navigator looks for none.
+  /// But it goes on reporting that there is none to a waypoint outside the geofence.
   Event take_path(bool has_path, time::SteadyTime now);
-
-  /// Takes the navigator's report that the robot is halted. Meanwhile it looks for no path, so this
-  /// is no time without one.
-  void take_halt(time::SteadyTime now);
 
   /// Whether no waypoint is left; on patrol, whether all were missed in turn.
   [[nodiscard]] bool is_over() const { return is_over_; }
@@ -42,13 +40,14 @@ class Route {
 
  private:
   void go_on();
+  void forget_no_path();
 
   std::vector<Eigen::Vector2d> waypoints_map_;
   bool is_patrol_ = false;
   time::Duration patience_;
   std::size_t index_ = 0;
-  std::optional<time::SteadyTime> no_path_since_;  // later by the halts since then
-  time::SteadyTime reported_{};                    // the last path or halt
+  std::optional<time::SteadyTime> no_path_at_;  // when the navigator last said so
+  time::Duration without_path_{};
   std::size_t missed_in_turn_ = 0;
   int num_missed_ = 0;
   bool is_over_ = false;

@@ -79,14 +79,13 @@ class ExplorerNodeTest : public ::testing::Test {
     bus_.deliver("NAVIGATION", navigation);
   }
 
-  /// The navigator drives, and says that there is no path to a goal.
+  /// The navigator says that there is no path to a goal.
   void give_no_path(std::int64_t goal_utime) {
     nodmap::path_t path{};
     path.utime = utime_us_;
     path.state = nodmap::path_t::NO_PATH;
     path.goal_utime = goal_utime;
     bus_.deliver("PATH", path);
-    give_navigation(nodmap::navigation_t::BRAKE);
   }
 
   GridWorld world_;

@@ -174,6 +174,7 @@ TEST_F(ExplorerNodeTest, OnlyAPathThatIsMissingToItsOwnGoalIsAFailure) {
     const double wait_s = ExplorerParams{}.patience.no_path_s + 1.0;
     for (double waited_s = 0.0; waited_s < wait_s; waited_s += 0.5) {
       give_no_path(goal_utime);
+      give_navigation(nodmap::navigation_t::BRAKE);
       (void)give_pose();
     }
   };
@@ -190,6 +191,7 @@ TEST_F(ExplorerNodeTest, APathThatWasMissingOnceIsNotMissingForEver) {
   ask(true);
   (void)give_pose();
   give_no_path(bus_.last<nodmap::goal_t>("GOAL").utime);
+  give_navigation(nodmap::navigation_t::BRAKE);
   for (double waited_s = 0.0; waited_s < ExplorerParams{}.patience.no_path_s + 1.0;
        waited_s += 0.5) {
     (void)give_pose();
@@ -220,6 +222,23 @@ TEST_F(ExplorerNodeTest, ARobotThatMayNotDriveGivesUpNoPlace) {
   wait_min(1, [&] { give_navigation(nodmap::navigation_t::STEER); });
   EXPECT_GT(node_.metrics()["failures"], 0) << "it may drive and comes no nearer";
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+// The explorer does not know the geofence. The navigator halts, and goes on saying that there is no
+// path.
+TEST_F(ExplorerNodeTest, AGoalOutsideTheGeofenceFails) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  const std::int64_t goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
+  for (double waited_s = 0.0; waited_s < ExplorerParams{}.patience.no_path_s + 1.0;
+       waited_s += 0.5) {
+    give_no_path(goal_utime);
+    give_navigation(nodmap::navigation_t::HALT, "The goal is outside the geofence.");
+    (void)give_pose();
+  }
+  EXPECT_EQ(node_.metrics()["failures"], 1);
+  EXPECT_NE(bus_.last<nodmap::goal_t>("GOAL").utime, goal_utime);
 }
 
 // A person has stopped the robot: what kept it from driving before is no fault any more.

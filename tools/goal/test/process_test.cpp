@@ -26,6 +26,7 @@ enum class Does : std::uint8_t {
   kFindNoPath,  // and says so
   kIgnore,      // it drives to another goal
   kHalt,        // for one reason and then for another; then a signal ends the program
+  kRefuse,  // it halts, because the goal is outside the geofence, and says that there is no path
 };
 
 // Halts for one reason until the program has had five more reports of it, then for another; ends
@@ -49,8 +50,9 @@ std::optional<int> navigate(Does does, test::ChildProcess& program,
   bus::LiveBus bus(kUrl);
   nodmap::navigation_t navigation{};
   nodmap::path_t path{};
-  path.state = does == Does::kFindNoPath ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
-  navigation.reason = does == Does::kFindNoPath ? "A wall is in the way." : "";
+  const bool finds_path = does != Does::kFindNoPath && does != Does::kRefuse;
+  path.state = finds_path ? nodmap::path_t::PLANNED : nodmap::path_t::NO_PATH;
+  navigation.reason = finds_path ? "" : "A wall is in the way.";
   bus.subscribe<nodmap::goal_t>("GOAL", [&](const nodmap::goal_t& goal) {
     if (last_goal != nullptr) {
       *last_goal = goal;
@@ -58,8 +60,9 @@ std::optional<int> navigate(Does does, test::ChildProcess& program,
     navigation.goal_utime = does == Does::kIgnore ? 1 : goal.utime;
     path.goal_utime = navigation.goal_utime;
     const bool has_arrived = does == Does::kArrive && goal.goal_seq >= 2;
-    navigation.behaviour =
-        has_arrived ? nodmap::navigation_t::ARRIVED : nodmap::navigation_t::STEER;
+    navigation.behaviour = has_arrived             ? nodmap::navigation_t::ARRIVED
+                           : does == Does::kRefuse ? nodmap::navigation_t::HALT
+                                                   : nodmap::navigation_t::STEER;
   });
   int num_reports = 0;
   const auto end = std::chrono::steady_clock::now() + test::kPatience;
@@ -108,6 +111,12 @@ TEST(GoalProcess, AMissedWaypointIsReportedWithTheNavigatorsReason) {
                               "--patience", "1", "--lcm-url", kUrl});
   EXPECT_EQ(navigate(Does::kFindNoPath, program), 1);
   EXPECT_TRUE(program.wait_for_stderr("missed; the navigator says: A wall", test::kPatience));
+}
+
+TEST(GoalProcess, AWaypointOutsideTheGeofenceIsMissed) {
+  test::ChildProcess program(
+      {NODMAP_GOAL_PROGRAM, "3", "1", "--patrol", "--patience", "1", "--lcm-url", kUrl});
+  EXPECT_EQ(navigate(Does::kRefuse, program), 1) << program.said();
 }
 
 TEST(GoalProcess, SaysOnceWhyTheRobotMayNotDriveAndAtTheEndThatItStillWill) {
