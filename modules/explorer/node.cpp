@@ -28,6 +28,8 @@ constexpr time::Duration kNavigatorTimeout = 2s;
 constexpr time::Duration kLongestHalt = 10s;
 // A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
+constexpr const char* kLost = "2D SLAM is lost: the exploration waits for a pose.";
+constexpr const char* kNoPose = "No pose comes from 2D SLAM: the exploration waits for one.";
 // With this limit EXPLORATION stays far below 64 KiB.
 constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
@@ -134,11 +136,9 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   }
   T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
+  odometry_at_ = now;
   repeat_goal(now);
-  if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
-    return;
-  }
-  if (stay_ == StayAfterEnd::kPending) {
+  if (stay_ == StayAfterEnd::kPending && pose_fault(now).empty()) {
     keep_place(now);
   }
   if (time::is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
@@ -180,17 +180,14 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
     start();
     // Who asked sees that it has been started, even if the first decision ends it.
     decided_ = node::stamp_of(message);
-    Decision starts;
-    starts.state = State::kExploring;
-    starts.reason = "Starting.";
-    starts.seen_m2 = seen_m2_;
-    publish(starts, *decided_);
+    publish_state("Starting.", *decided_);
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + node::read_name(message.requested_by) + ".");
     stay_ = StayAfterEnd::kPending;
     if (T_map_base()) {
       keep_place(node::stamp_of(message));
     }
+    publish_state(idle_reason_, node::stamp_of(message));
   }
 }
 
@@ -252,21 +249,22 @@ void ExplorerNode::repeat_goal(time::Timestamp now) {
 
 void ExplorerNode::decide(time::Timestamp now) {
   if (stop_latch_.is_stopped() && explorer_.state() != State::kIdle) {
-    Decision waits;
-    waits.state = explorer_.state();
-    waits.reason = "The robot is stopped.";
-    waits.seen_m2 = seen_m2_;
     halted_since_.reset();  // what kept it from driving before is counted anew
-    publish(waits, now);
+    publish_state("The robot is stopped.", now);
     return;
   }
   const bool was_idle = explorer_.state() == State::kIdle;
-  halt_reason_ = halt_reason(now);
+  const std::string fault = pose_fault(now);
+  halt_reason_ = fault.empty() ? halt_reason(now) : fault;
   halted_since_ = explores() && !halt_reason_.empty() ? std::optional(halted_since_.value_or(now))
                                                       : std::nullopt;
+  if (explores() && !fault.empty()) {
+    publish_state(fault, now);
+    return;
+  }
   const bool has_no_path = no_path_at_ && !time::is_due(now, no_path_at_, kPathTimeout);
   Decision decision = explorer_.decide({.stamp = now,
-                                        .T_map_base = *T_map_base(),
+                                        .T_map_base = T_map_base().value_or(geometry::SE2{}),
                                         .may_drive = halt_reason_.empty() || has_no_path,
                                         .has_no_path = has_no_path,
                                         .has_arrived = has_arrived_});
@@ -285,6 +283,13 @@ void ExplorerNode::decide(time::Timestamp now) {
     send_goal(*decision.goal, now);
   }
   publish(decision, now);
+}
+
+std::string ExplorerNode::pose_fault(time::Timestamp now) const {
+  if (is_lost_) {
+    return kLost;
+  }
+  return T_map_odom_ && !time::is_due(now, posed_, kPoseTimeout) ? "" : kNoPose;
 }
 
 std::string ExplorerNode::halt_reason(time::Timestamp now) const {
@@ -307,6 +312,14 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
   message.position_m[1] = goal.p_map.y();
   message.tolerance_m = goal.tolerance_m;
   goal_sender_.set(message, now);
+}
+
+void ExplorerNode::publish_state(const std::string& reason, time::Timestamp now) {
+  Decision decision;
+  decision.state = explorer_.state();
+  decision.reason = reason;
+  decision.seen_m2 = seen_m2_;
+  publish(decision, now);
 }
 
 void ExplorerNode::publish(const Decision& decision, time::Timestamp now) {
@@ -346,9 +359,9 @@ nlohmann::json ExplorerNode::metrics() const {
 
 node::Health ExplorerNode::health() const {
   if (is_lost_ && explorer_.state() != State::kIdle) {
-    return {node::HealthState::kDegraded, "2D SLAM is lost: the exploration waits for a pose."};
+    return {node::HealthState::kDegraded, kLost};
   }
-  if (halted_since_ && time::is_due(*decided_, *halted_since_, kLongestHalt)) {
+  if (halted_since_ && time::is_due(*odometry_at_, *halted_since_, kLongestHalt)) {
     return {node::HealthState::kDegraded, halt_reason_};
   }
   return {};

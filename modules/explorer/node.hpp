@@ -26,9 +26,9 @@
 namespace nodmap::explorer {
 
 /// Runs the explorer twice a second, and when the navigator arrives, on MAP_2D, POSE_2D, ODOMETRY,
-/// NAVIGATION and PATH. Publishes EXPLORATION with each decision, and GOAL when it changes and once
-/// a second. EXPLORE starts and ends it, a GOAL of another sender ends it, and during a STOP it
-/// waits.
+/// NAVIGATION and PATH. Publishes EXPLORATION as often, also while nothing can be decided, and GOAL
+/// when it changes and once a second. EXPLORE starts and ends it, a GOAL of another sender ends it,
+/// and during a STOP it waits.
 class ExplorerNode final : public node::Node {
  public:
   using Params = ExplorerParams;
@@ -68,8 +68,12 @@ class ExplorerNode final : public node::Node {
   /// that is.
   [[nodiscard]] std::optional<geometry::SE2> T_map_base() const;
   void send_goal(const Goal& goal, time::Timestamp now);
+  /// Why it is not known where the robot is; empty if it is known.
+  [[nodiscard]] std::string pose_fault(time::Timestamp now) const;
   /// Why the robot may not drive; empty if it may.
   [[nodiscard]] std::string halt_reason(time::Timestamp now) const;
+  /// Publishes the state without a decision.
+  void publish_state(const std::string& reason, time::Timestamp now);
   void publish(const Decision& decision, time::Timestamp now);
 
   node::Context& context_;
@@ -81,13 +85,14 @@ class ExplorerNode final : public node::Node {
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_odom_base_;
+  std::optional<time::Timestamp> odometry_at_;  // stamp of the last odometry
   bool is_lost_ = false;
   node::StopLatch stop_latch_;
   std::optional<time::Timestamp> no_path_at_;    // when the navigator last said so
   std::optional<time::Timestamp> navigated_at_;  // stamp of the last NAVIGATION
   std::optional<std::string> navigator_halt_;    // why by that message the robot may not drive
   std::optional<time::Timestamp> halted_since_;  // when it began to keep the exploration waiting
-  std::string halt_reason_;
+  std::string halt_reason_;                      // also: why nothing can be decided
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";

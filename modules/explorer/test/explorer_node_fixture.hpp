@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/node/messages.hpp"
@@ -87,6 +88,8 @@ class ExplorerNodeTest : public ::testing::Test {
     path.goal_utime = goal_utime;
     bus_.deliver("PATH", path);
   }
+
+  [[nodiscard]] std::int64_t num_decisions() const { return node_.metrics().at("decisions"); }
 
   GridWorld world_;
   ::nodmap::test::MemoryBus bus_;

@@ -72,10 +72,59 @@ TEST_F(ExplorerNodeTest, DecidesNothingWithoutATrustworthyPose) {
   give_map();
   ask(true);
   (void)give_pose();
-  const std::size_t num_decisions = bus_.count("EXPLORATION");
-  (void)give_pose(nodmap::pose_t::LOST);
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
+  const std::int64_t num_before = num_decisions();
+  const auto exploration = give_pose(nodmap::pose_t::LOST);
+  EXPECT_EQ(num_decisions(), num_before);
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(exploration.reason, "2D SLAM is lost: the exploration waits for a pose.");
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+// 2D SLAM is down. Who wants to end the exploration needs EXPLORATION most.
+TEST_F(ExplorerNodeTest, WithoutPosesItSaysWhyItWaits) {
+  give_map();
+  ask(true);
+  const auto wait_s = [this](int seconds) {
+    for (int i = 0; i < 2 * seconds; ++i) {
+      const std::size_t num_before = bus_.count("EXPLORATION");
+      utime_us_ += 500'000;
+      give_navigation(nodmap::navigation_t::STEER);
+      give_odometry(0.0);
+      EXPECT_EQ(bus_.count("EXPLORATION"), num_before + 1) << i;
+    }
+  };
+  give_navigation(nodmap::navigation_t::STEER);
+  (void)give_pose();
+  wait_s(14);
+  const auto exploration = bus_.last<nodmap::exploration_t>("EXPLORATION");
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(exploration.reason, "No pose comes from 2D SLAM: the exploration waits for one.");
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk) << "no pose for 14 s, a halt of 9 s";
+  wait_s(1);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(node_.health().reason, exploration.reason);
+  EXPECT_NE(give_pose().reason, exploration.reason);
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk) << node_.health().reason;
+}
+
+TEST_F(ExplorerNodeTest, ItsStateIsKnownBeforeTheFirstPose) {
+  ::nodmap::test::MemoryBus bus;
+  node::Context context{bus, counts_, {}};
+  const ExplorerNode explorer(context, {});
+  bus.deliver("ODOMETRY",
+              node::write_odometry(time::from_utime(500'000), geometry::SE3::Identity()));
+  ASSERT_EQ(bus.count("EXPLORATION"), 1U);
+  const auto exploration = bus.last<nodmap::exploration_t>("EXPLORATION");
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(exploration.reason, "Waiting to be started.");
+}
+
+TEST_F(ExplorerNodeTest, SaysAtOnceThatItHasBeenEnded) {
+  ask(true);
+  ask(false);
+  const auto exploration = bus_.last<nodmap::exploration_t>("EXPLORATION");
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(exploration.reason, "Ended by somebody.");
 }
 
 // One that is refused leaves the pose before in force; one of another time must be followed by a
@@ -85,23 +134,23 @@ TEST_F(ExplorerNodeTest, APoseWithAWrongStampCountsAsNone) {
   give_map();
   ask(true);
   (void)give_pose();
-  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  const std::int64_t num_before = num_decisions();
   nodmap::pose_t pose = pose_message();
   pose.utime = -1;
   bus_.deliver("POSE_2D", pose);
   EXPECT_EQ(counts_.rejected().at("implausible_pose"), 1);
   utime_us_ += 500'000;
   give_odometry(0.0);
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1);
+  EXPECT_EQ(num_decisions(), num_before + 1);
   for (const std::int64_t wrong_by : {-6'000'000, 6'000'000}) {
     utime_us_ += 500'000;
     pose.utime = utime_us_ + wrong_by;
     bus_.deliver("POSE_2D", pose);
     give_odometry(0.0);
-    EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1) << wrong_by;
+    EXPECT_EQ(num_decisions(), num_before + 1) << wrong_by;
   }
   (void)give_pose();
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 2);
+  EXPECT_EQ(num_decisions(), num_before + 2);
 }
 
 // Poses of 2D SLAM come with level scans: one a second when the robot is slow.
@@ -109,11 +158,11 @@ TEST_F(ExplorerNodeTest, DecidesByOdometryBetweenPoses) {
   give_map();
   ask(true);
   (void)give_pose();
-  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  const std::int64_t num_before = num_decisions();
   for (int i = 1; i <= 4; ++i) {
     utime_us_ += 500'000;
     give_odometry(0.3 * i);
-    EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + static_cast<std::size_t>(i));
+    EXPECT_EQ(num_decisions(), num_before + i);
     const auto exploration = bus_.last<nodmap::exploration_t>("EXPLORATION");
     ASSERT_GT(exploration.num_points, 0);
     // A path begins in the middle of a planning cell.
@@ -121,9 +170,9 @@ TEST_F(ExplorerNodeTest, DecidesByOdometryBetweenPoses) {
   }
   utime_us_ += 4'000'000;
   give_odometry(1.5);
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 4) << "there was no pose for 6 s";
+  EXPECT_EQ(num_decisions(), num_before + 4) << "there was no pose for 6 s";
   (void)give_pose();
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 5);
+  EXPECT_EQ(num_decisions(), num_before + 5);
 }
 
 TEST_F(ExplorerNodeTest, WaitsForAPoseAfterTheBaseDriverHasRestarted) {
@@ -131,15 +180,15 @@ TEST_F(ExplorerNodeTest, WaitsForAPoseAfterTheBaseDriverHasRestarted) {
   ask(true);
   (void)give_pose();
   (void)give_pose();
-  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  const std::int64_t num_before = num_decisions();
   odometry_seq_ = 0;
   utime_us_ += 490'000;
   give_odometry(0.0);
   utime_us_ += 10'000;
   give_odometry(0.0);
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
+  EXPECT_EQ(num_decisions(), num_before);
   (void)give_pose();
-  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1);
+  EXPECT_EQ(num_decisions(), num_before + 1);
 }
 
 TEST_F(ExplorerNodeTest, DecidesAtOnceWhenTheNavigatorHasArrived) {
