@@ -104,6 +104,7 @@ void ExplorerNode::begin_new_map() {
   if (has_decided || follows_our_goal) {
     stay_ = StayAfterEnd::kPending;
   }
+  goal_.reset();  // the same coordinates are another place now
 }
 
 void ExplorerNode::on_pose(const nodmap::pose_t& message) {

@@ -100,7 +100,7 @@ class ExplorerNode final : public node::Node {
 
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;
-  std::optional<Goal> goal_;  // the last one since the start
+  std::optional<Goal> goal_;  // the last one since the start, in the present map
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

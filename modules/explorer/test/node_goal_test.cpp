@@ -95,6 +95,25 @@ TEST_F(ExplorerNodeTest, ANewMapAfterItsEndRenewsThePlaceWhereTheRobotIs) {
   EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
 }
 
+// The same coordinates are another place in the new map, and the navigator has dropped the goal.
+TEST_F(ExplorerNodeTest, ANewMapRenewsThePlaceAlsoOfARobotThatHasNotMoved) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  for (int i = 0; i < 2; ++i) {
+    const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+    give_map(7);
+    give_map(0);
+    give_map(1);  // the first one alone may be a late tile
+    utime_us_ += 300'000;
+    give_odometry(0.0);
+    const auto renewed = bus_.last<nodmap::goal_t>("GOAL");
+    EXPECT_NE(renewed.utime, goal.utime) << i;
+    EXPECT_EQ(renewed.position_m[0], 0.0);
+  }
+}
+
 // Who asks for an exploration of what is known already must see that it has been started.
 TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
   world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
