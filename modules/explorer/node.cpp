@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -192,10 +193,15 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   }
 }
 
-// A goal, or its cancellation, of another sender ends the exploration.
+// A goal, or its cancellation, of another sender ends the exploration. It is older than the
+// exploration if it only repeats what came before EXPLORE: our first goal overrules it.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
   if (!goal_sender_.take(message)) {
+    return;
+  }
+  const bool is_repeated = std::exchange(others_goal_utime_, message.utime) == message.utime;
+  if (is_repeated && explores() && !goal_) {
     return;
   }
   stay_ = StayAfterEnd::kNone;

@@ -101,6 +101,7 @@ class ExplorerNode final : public node::Node {
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;
   std::optional<Goal> goal_;  // the last one since the start, in the present map
+  std::optional<std::int64_t> others_goal_utime_;  // of the last GOAL of another sender
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

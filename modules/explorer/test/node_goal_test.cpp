@@ -114,6 +114,35 @@ TEST_F(ExplorerNodeTest, ANewMapRenewsThePlaceAlsoOfARobotThatHasNotMoved) {
   }
 }
 
+// A patrol repeats its goal once a second, until it sees that it has been overruled.
+TEST_F(ExplorerNodeTest, AGoalThatIsOlderThanTheExplorationDoesNotEndIt) {
+  give_map();
+  nodmap::goal_t patrol{};
+  patrol.utime = 1;
+  patrol.is_active = 1;
+  patrol.position_m[0] = 3.0;
+  bus_.deliver("GOAL", patrol);
+  ask(true);
+  bus_.deliver("GOAL", patrol);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(bus_.count("GOAL"), 1U) << "overrules the patrol";
+  bus_.deliver("GOAL", patrol);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::IDLE) << "it has overruled the explorer";
+}
+
+TEST_F(ExplorerNodeTest, AnotherGoalEndsTheExplorationAlsoBeforeItsFirstGoal) {
+  give_map();
+  nodmap::goal_t goal{};
+  goal.utime = 1;
+  goal.is_active = 1;
+  bus_.deliver("GOAL", goal);
+  ask(true);
+  goal.utime = 2;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(bus_.count("GOAL"), 0U);
+}
+
 // Who asks for an exploration of what is known already must see that it has been started.
 TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
   world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
