@@ -43,8 +43,9 @@ Explorer::Explorer(const ExplorerParams& params)
       failed_places_(params.patience.retry_s, params.patience.max_tries, kSameFailureM),
       visited_places_(params.patience.look_s, params.patience.max_tries, kSameVisitM) {}
 
-void Explorer::start() {
+void Explorer::start(const std::optional<Eigen::Vector2d>& home_map) {
   end();
+  home_map_ = home_map;
   failed_places_.clear();
   visited_places_.clear();
   state_ = State::kExploring;

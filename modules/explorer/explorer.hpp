@@ -58,11 +58,14 @@ class Explorer {
 
   /// Adds a part of the 2D map; returns false if it is refused.
   bool add(const MapTile& tile) { return grid_.add(tile); }
-  /// Forgets the map, because 2D SLAM has restarted.
-  void forget_map() { grid_.clear(); }
+  /// Forgets the map, because 2D SLAM has restarted, and home, which was a position in it.
+  void forget_map() {
+    grid_.clear();
+    home_map_.reset();
+  }
 
-  /// Starts an exploration. Home is the robot's position at the next decision.
-  void start();
+  /// Starts an exploration. Without `home_map`, home is the robot's position at the next decision.
+  void start(const std::optional<Eigen::Vector2d>& home_map = std::nullopt);
   void end();
   [[nodiscard]] State state() const { return state_; }
   /// Number of places that have failed since the start.

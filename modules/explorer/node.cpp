@@ -219,8 +219,11 @@ void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
+// Home is where the robot is now, also if it is stopped and moved before the first decision. If
+// that is not known, it is where the robot is by then.
 void ExplorerNode::start() {
-  explorer_.start();
+  const bool is_place_known = odometry_at_ && pose_fault(*odometry_at_).empty();
+  explorer_.start(is_place_known ? std::optional(T_map_base()->translation()) : std::nullopt);
   goal_.reset();
   stay_ = StayAfterEnd::kNone;
   num_decisions_ = 0;

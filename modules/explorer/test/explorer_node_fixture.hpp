@@ -25,6 +25,16 @@ class ExplorerNodeTest : public ::testing::Test {
     bus_.deliver("POSE_2D", pose_message());  // the map is in the frame of the poses
   }
 
+  /// Closes the corridor; the map shows all of it.
+  void see_everything() {
+    world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
+    world_.add_wall({5.0, -1.0}, {5.0, 1.0});
+    for (const double x : {0.0, 4.0}) {
+      for (int i = 0; i < 4; ++i) {
+        world_.scan({x, 0.0, 0.5 * geometry::kPi * i});
+      }
+    }
+  }
   void give_map(std::int64_t revision = 0) { bus_.deliver("MAP_2D", map_message(revision)); }
   [[nodiscard]] nodmap::grid_chunk_t map_message(std::int64_t revision) const {
     const MapTile tile = world_.map();

@@ -143,15 +143,42 @@ TEST_F(ExplorerNodeTest, AnotherGoalEndsTheExplorationAlsoBeforeItsFirstGoal) {
   EXPECT_EQ(bus_.count("GOAL"), 0U);
 }
 
+// The robot is stopped, and somebody moves it before it is released.
+TEST_F(ExplorerNodeTest, HomeIsWhereTheRobotWasWhenItWasAskedToExplore) {
+  see_everything();
+  give_map();
+  (void)give_pose();
+  stop(true);
+  ask(true);
+  utime_us_ += 500'000;
+  give_odometry(1.0);
+  stop(false);
+  utime_us_ += 500'000;
+  give_odometry(1.0);
+  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").state,
+            nodmap::exploration_t::RETURNING);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
+}
+
+TEST_F(ExplorerNodeTest, HomeIsNotWhereTheRobotWasInAMapThatNoLongerExists) {
+  see_everything();
+  give_map(7);
+  (void)give_pose();
+  stop(true);
+  ask(true);
+  give_map(0);
+  give_map(1);  // the first one alone may be a late tile
+  utime_us_ += 500'000;
+  give_odometry(1.0);
+  stop(false);
+  utime_us_ += 500'000;
+  give_odometry(1.0);
+  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").state, nodmap::exploration_t::HOME);
+}
+
 // Who asks for an exploration of what is known already must see that it has been started.
 TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
-  world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
-  world_.add_wall({5.0, -1.0}, {5.0, 1.0});
-  for (const double x : {0.0, 4.0}) {
-    for (int i = 0; i < 4; ++i) {
-      world_.scan({x, 0.0, 0.5 * geometry::kPi * i});
-    }
-  }
+  see_everything();
   give_map();
   (void)give_pose();
   ask(true);
