@@ -263,7 +263,6 @@ void ExplorerNode::decide(time::Timestamp now) {
     publish_state("The robot is stopped.", now);
     return;
   }
-  const bool was_idle = explorer_.state() == State::kIdle;
   const std::string fault = pose_fault(now);
   halt_reason_ = fault.empty() ? halt_reason(now) : fault;
   halted_since_ = explores() && !halt_reason_.empty() ? std::optional(halted_since_.value_or(now))
@@ -272,6 +271,16 @@ void ExplorerNode::decide(time::Timestamp now) {
     publish_state(fault, now);
     return;
   }
+  const Decision decision = next_decision(now);
+  seen_m2_ = decision.seen_m2;
+  if (decision.goal) {
+    send_goal(*decision.goal, now);
+  }
+  publish(decision, now);
+}
+
+Decision ExplorerNode::next_decision(time::Timestamp now) {
+  const bool was_idle = explorer_.state() == State::kIdle;
   const bool has_no_path = no_path_at_ && !time::is_due(now, no_path_at_, kPathTimeout);
   Decision decision = explorer_.decide({.stamp = now,
                                         .T_map_base = T_map_base().value_or(geometry::SE2{}),
@@ -288,11 +297,7 @@ void ExplorerNode::decide(time::Timestamp now) {
       decision.reason = halt_reason_;
     }
   }
-  seen_m2_ = decision.seen_m2;
-  if (decision.goal) {
-    send_goal(*decision.goal, now);
-  }
-  publish(decision, now);
+  return decision;
 }
 
 std::string ExplorerNode::pose_fault(time::Timestamp now) const {

@@ -64,6 +64,7 @@ class ExplorerNode final : public node::Node {
   void keep_place(time::Timestamp now);
   void repeat_goal(time::Timestamp now);
   void decide(time::Timestamp now);
+  [[nodiscard]] Decision next_decision(time::Timestamp now);
   /// Where the robot is, as far as is known: by the newest odometry and the last pose, however old
   /// that is.
   [[nodiscard]] std::optional<geometry::SE2> T_map_base() const;
