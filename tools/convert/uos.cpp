@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/scan/scan.hpp"
 #include "tools/convert/sick.hpp"
 
 namespace nodmap::convert {
@@ -91,11 +92,13 @@ Fan find_fan(std::span<const Beam> beams) {
   return fan;
 }
 
-// How far the scanner measures; farther ranges mean "no echo".
+// How far the scanner measures; farther ranges mean "no echo". A single absurd point does not make
+// the scan one that no program takes.
 double find_range_max_m(std::span<const Beam> beams) {
   const double farthest_m = std::ranges::max_element(beams, {}, &Beam::range_m)->range_m;
-  return farthest_m > kSickIndoorLargestM ? std::nextafter(farthest_m, 2.0 * farthest_m)
-                                          : kSickIndoorRangeMaxM;
+  return farthest_m > kSickIndoorLargestM
+             ? std::min(std::nextafter(farthest_m, 2.0 * farthest_m), scan::kFarthestRangeM)
+             : kSickIndoorRangeMaxM;
 }
 
 // The slice being filled.

@@ -36,7 +36,7 @@ struct UosSlice {
   double angle_step_rad = 0.0;
   /// +infinity: no echo; NaN for beams missing in the file.
   std::vector<float> ranges_m;
-  double range_max_m = 0.0;  ///< what the scanner measures at least
+  double range_max_m = 0.0;  ///< how far the scanner measures, as far as the points tell
 };
 
 /// Splits the points of a scan, in the order of the file, into slices: a new one begins where the

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "common/geometry/angle.hpp"
+#include "common/scan/scan.hpp"
 
 namespace nodmap::convert {
 namespace uos_test {
@@ -142,6 +143,15 @@ TEST(Uos, FarPointsOfAnotherScannerAreEchoes) {
     EXPECT_GT(slice.range_max_m, 40.0);
     EXPECT_LT(slice.range_max_m, 40.001);
   }
+}
+
+TEST(Uos, AnAbsurdPointDoesNotSpoilItsScan) {
+  Made made = make(3, 361, 0.5);
+  made.points_m[5] *= 5000.0 / made.points_m[5].norm();
+  const auto slices = find_slices(made.points_m);
+  ASSERT_EQ(slices.size(), 3U);
+  EXPECT_TRUE(std::isinf(slices[0].ranges_m[5]));
+  EXPECT_EQ(slices[0].range_max_m, scan::kFarthestRangeM);
 }
 
 TEST(Uos, DegenerateInputHasNoSlices) {
